@@ -24,8 +24,8 @@ Intrinsics intrinsics(const Camera& camera, const char* what) {
     throw Error(fmt::format("{}: {}x{} pixels; expected 1 to {} in each direction", what,
                             camera.width, camera.height, kMaxSide));
   if (!(camera.fx > 0 && camera.fy > 0 && std::isfinite(camera.fx) && std::isfinite(camera.fy)))
-    throw Error(
-        fmt::format("{}: focal length {}, {} px; expected above 0", what, camera.fx, camera.fy));
+    throw Error(fmt::format("{}: focal length {}, {} px; expected values above 0", what, camera.fx,
+                            camera.fy));
   if (camera.width > kWidestView * camera.fx || camera.height > kWidestView * camera.fy)
     throw Error(
         fmt::format("{}: focal length {:g}, {:g} px for {}x{} pixels, a field of view of more than "
@@ -150,7 +150,7 @@ double store_meters(const DepthImage& image, std::size_t stride, Image16& depth)
   const auto is_far = [](std::uint16_t count) { return count == planes::kFarOutlier; };
   const auto is_near = [&](std::uint16_t count) { return count > 0 && !is_far(count); };
   if (std::ranges::any_of(depth.data, is_far) && std::ranges::none_of(depth.data, is_near))
-    throw Error("depth image: every pixel is beyond 65.5 m; expected meters");
+    throw Error("depth image: every pixel is beyond 65.5 m; expected depth in meters");
   return unit_m;
 }
 

@@ -24,8 +24,9 @@ const io::Recording& recording_of(const std::shared_ptr<const void>& data) {
 
 void expect_frame(const io::Recording& recording, int i) {
   if (i < 0 || i >= recording.frame_count())
-    throw Error(fmt::format("{}: frame {} is out of range; it has {} frames, numbered from 0",
-                            recording.info().path.string(), i, recording.frame_count()));
+    throw Error(
+        fmt::format("{}: frame {} is out of range; the recording has {} frames, numbered from 0",
+                    recording.info().path.string(), i, recording.frame_count()));
 }
 
 world::CameraPose camera_pose(int frame, double timestamp_s, const Transform& T_world_camera) {
@@ -146,7 +147,7 @@ Map make_map(const Recording& recording, const Segmenter& segmenter, const MapOp
     job.tracks.window_m = options.window_m;
     job.threads = by.options.threads;
     if (!options.poses.empty() && !options.T_world_camera.empty())
-      throw Error("map: poses as a file and as transforms; expected one or the other");
+      throw Error("map: poses are set both as a file and as transforms; expected one or the other");
     if (!options.poses.empty()) job.trajectory = world::read_trajectory(options.poses);
     if (!options.T_world_camera.empty())
       job.trajectory = trajectory_of(options.T_world_camera, from);

@@ -25,7 +25,7 @@ auto parse(View<std::uint8_t> cdr, const char* type, const Parse& parse) {
   try {
     return parse(io::Message{nullptr, bytes, io::Wire::cdr});
   } catch (io::OutOfBytes) {
-    throw Error(fmt::format("{}: damaged message of {} bytes", type, cdr.size()));
+    throw Error(fmt::format("{}: damaged {}-byte message", type, cdr.size()));
   }
 }
 
@@ -42,8 +42,9 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
     throw Error(
         fmt::format("camera_info: lens distortion \"{}\" is not supported", info.distortion_model));
   if (!(camera.fx > 0 && camera.fy > 0))
-    throw Error(fmt::format("camera_info: focal length {}, {} px; expected above 0 (k[0], k[4])",
-                            camera.fx, camera.fy));
+    throw Error(
+        fmt::format("camera_info: focal length {}, {} px; expected values above 0 in k[0] and k[4]",
+                    camera.fx, camera.fy));
   return camera;
 }
 
@@ -51,12 +52,13 @@ Intrinsics intrinsics_of(const io::ros::CameraInfo& info) {
 void take_depth(const io::ros::Image& image, ::planescope::Frame& frame) {
   const bool is_float = image.encoding == "32FC1";
   if (!is_float && image.encoding != "16UC1" && image.encoding != "mono16")
-    throw Error(fmt::format("image: encoding \"{}\"; expected depth as 16UC1, mono16, or 32FC1",
-                            image.encoding));
+    throw Error(fmt::format(
+        "image: encoding \"{}\" is not supported; expected depth as 16UC1, mono16, or 32FC1",
+        image.encoding));
   const auto width = static_cast<std::size_t>(image.width);
   const std::size_t size = is_float ? 4 : 2;
   if (image.step < size * width)
-    throw Error(fmt::format("image: rows of {} bytes; expected {} or more for {} pixels",
+    throw Error(fmt::format("image: {}-byte rows; expected at least {} bytes for {} pixels",
                             image.step, size * width, width));
   frame.depth_unit_m = kMillimeter_m;
   frame.depth = Image16(image.width, image.height);

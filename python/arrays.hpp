@@ -199,7 +199,8 @@ struct Input {
     const auto type = get("typestr").cast<std::string>();
     const py::ssize_t size = std::stoi(type.substr(2));
     const auto shape = get("shape").cast<Shape>();
-    if (std::ranges::any_of(shape, [](py::ssize_t n) { return n < 0; })) fail("a valid shape");
+    if (std::ranges::any_of(shape, [](py::ssize_t n) { return n < 0; }))
+      fail("a shape without negative sizes");
     Shape strides(shape.size());
     py::ssize_t stride = size;
     for (std::size_t k = shape.size(); k-- > 0; stride *= shape[k]) strides[k] = stride;
@@ -214,7 +215,7 @@ struct Input {
       for (std::size_t k = 0; k < shape.size() && k < strides.size(); ++k)
         (strides[k] < 0 ? first : last) += strides[k] * (shape[k] - 1);
       if (stride != 0 && (first < 0 || last > bytes.size * bytes.itemsize))
-        fail("enough memory for its shape");
+        fail("a buffer large enough for its shape");
       data = bytes.ptr;
     }
     const std::string codes = type[1] == 'u'   ? "?BH?I???Q"

@@ -47,7 +47,7 @@ ps::Frame depth_frame(const py::object& depth,
       std::tuple_cat(intrinsics);
   if (distortion) {
     if (distortion_model != "brown_conrady" && distortion_model != "inverse_brown_conrady")
-      throw ps::Error("distortion_model '" + distortion_model +
+      throw ps::Error("unknown distortion_model '" + distortion_model +
                       "'; expected brown_conrady or inverse_brown_conrady");
     image.camera.distortion = distortion_model == "brown_conrady"
                                   ? ps::Distortion::brown_conrady
@@ -61,7 +61,7 @@ ps::Frame depth_frame(const py::object& depth,
     const Input of(color, "color");
     if (!of.is('u', 1) || of.info.ndim != 3 || of.info.shape[0] != given.info.shape[0] ||
         of.info.shape[1] != given.info.shape[1] || of.info.shape[2] != 3)
-      of.fail("uint8 RGB on the pixels of depth");
+      of.fail("uint8 RGB of shape (height, width, 3), aligned with depth");
     rgb = of.values<std::uint8_t>();
     image.color.rgb = rgb.data();
     image.color.aligned = true;

@@ -229,7 +229,7 @@ int DamagedFrames::report(std::size_t frames) const {
   if (lines.empty()) return 0;
   constexpr std::size_t kMostLines = 10;
   for (const std::string& line : lines | std::views::take(kMostLines)) notice("error: {}", line);
-  notice("skipped {} of {}: damaged", lines.size(), counted(frames, "frame"));
+  notice("skipped {} of {} (damaged)", lines.size(), counted(frames, "frame"));
   return 2;
 }
 

@@ -310,7 +310,7 @@ int run_program(const Program& program, int argc, char** argv) {
     const Job job = parse(program, argc, argv);
     const Interrupt interrupt;
     const int code = job(interrupt.token());
-    if (std::fflush(stdout) != 0) return fail("standard output cannot be written to", 2);
+    if (std::fflush(stdout) != 0) return fail("cannot write to standard output", 2);
     return code;
   } catch (const Cancelled&) {
     return fail("canceled", 130);
@@ -320,10 +320,9 @@ int run_program(const Program& program, int argc, char** argv) {
     return fail(path_problem(error), 2);
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again)  // thread creation failed
-      return fail("out of memory: cannot start a thread; use fewer --threads", 2);
+      return fail("out of memory: cannot start a thread; reduce --threads", 2);
     if (std::ferror(stdout) != 0)
-      return fail(std::string("standard output cannot be written to: ") + error.code().message(),
-                  2);
+      return fail(std::string("cannot write to standard output: ") + error.code().message(), 2);
     return fail(std::string("unexpected failure: ") + error.what(), 2);
   } catch (const std::bad_alloc&) {
     return fail(std::string("out of memory; ") + kHowToNeedLessMemory, 2);

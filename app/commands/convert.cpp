@@ -21,6 +21,7 @@ namespace fs = std::filesystem;
 
 enum class Form : std::uint8_t { folder, tum, mcap, ply, pcd };
 constexpr const char* kForms[] = {"folder", "tum", "mcap", "ply", "pcd"};
+constexpr const char* kTitles[] = {"folder", "TUM", "MCAP", "PLY", "PCD"};
 
 struct RecastArgs {
   InputArgs input;
@@ -54,8 +55,9 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
       throw Error(fmt::format("{}: --to {} does not match the extension {}", target.out.string(),
                               kForms[static_cast<std::size_t>(*args.form)], ending));
     if (target.form != Form::mcap && input.frames.size() != 1)
-      throw Error(fmt::format("{}: one file for {} frames; expected a folder, or --frames N",
-                              target.out.string(), input.frames.size()));
+      throw Error(fmt::format(
+          "{}: cannot contain all {} frames; expected a folder, or one frame (--frames N)",
+          target.out.string(), input.frames.size()));
   } else if (ending == ".bag" || ending == ".db3") {
     throw Error(fmt::format(
         "{}: writing {} files is not supported; expected a folder, or a .mcap, .ply, or .pcd file",
@@ -68,13 +70,14 @@ Target target_of(const RecastArgs& args, const OpenInput& input) {
   }
   if (input.recording->info().width == 0 && !is_cloud_form(target.form))
     throw Error(
-        fmt::format("{}: contains clouds, but --to {} needs depth images; expected ply or pcd",
-                    input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+        fmt::format("{}: contains point clouds, but {} output needs depth images; expected output "
+                    "as .ply or .pcd",
+                    input.path.string(), kTitles[static_cast<std::size_t>(target.form)]));
   if (input.recording->info().rounded && !is_cloud_form(target.form))
-    throw Error(fmt::format(
-        "{}: depth is in meters (32FC1), which --to {} would round to 16-bit counts; expected ply "
-        "or pcd",
-        input.path.string(), kForms[static_cast<std::size_t>(target.form)]));
+    throw Error(
+        fmt::format("{}: depth is in meters (32FC1), which {} output would round to 16-bit counts; "
+                    "expected output as .ply or .pcd",
+                    input.path.string(), kTitles[static_cast<std::size_t>(target.form)]));
   if (fs::is_symlink(target.out) && !fs::exists(target.out))
     throw Error(target.out.string() + ": is a broken link; expected a new name");
   if (fs::exists(target.out) && !(fs::is_directory(target.out) && fs::is_empty(target.out)))
@@ -123,7 +126,7 @@ void write_facts(Form form, const fs::path& dir, const std::vector<io::WrittenFr
 void warn_of_axes(const OpenInput& input, const io::WrittenFrame& written) {
   const Frame frame = input.recording->frame(input.frames[0]);
   if (!written.facts.gravity && (!frame.is_cloud() || frame.cloud->optical))
-    notice("gravity is unknown: z of the clouds is the viewing direction of the camera, not up");
+    notice("gravity is unknown: z in the point clouds is the camera's viewing direction, not up");
 }
 
 /// Reads the output back. Throws Error if a frame is missing or its depth differs.

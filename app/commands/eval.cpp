@@ -195,8 +195,8 @@ int run_eval(const EvalArgs& args, std::stop_token stop) {
   if (rows.empty() && !refused.empty()) throw Error(refused.front());
   if (rows.empty())
     throw Error(
-        fmt::format("{}: no frame has ground truth; expected labels in {}, or label and instance "
-                    "fields of a cloud",
+        fmt::format("{}: no frame has ground truth; expected labels in {}, or point clouds with "
+                    "label and instance fields",
                     inputs.front().path.string(), inputs.front().label_dir.string()));
   for (const std::string& why : refused) notice("rejected: {}", why);
   std::vector<planes::Metrics> all;

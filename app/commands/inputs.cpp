@@ -340,8 +340,8 @@ LoadedFrame run_input_frame(const OpenInput& input,
         planes::truth_on_points(loaded.truth->values, planes::measured_sources(loaded.frame));
   if (needs_truth && !loaded.truth)
     throw FrameRefused(
-        fmt::format("{}, frame {}: classifier truth needs labels; found none in {} and no "
-                    "label field",
+        fmt::format("{}, frame {}: classifier truth needs labels; found neither label files in {} "
+                    "nor a label field",
                     input.path.string(), index, input.label_dir.string()));
   naming_memory(input.name_of(index), [&] {
     try {

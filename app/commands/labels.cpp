@@ -81,7 +81,7 @@ FrameLabels read_labels_of(const LabeledRecording& source, int number) {
   const auto& recording = source.recording;
   const int frame = source.frame(number);
   if (recording && frame >= recording->frame_count())
-    throw Error(fmt::format("{}/{:06}.json: labels for frame {}, but the recording has {} frames",
+    throw Error(fmt::format("{}/{:06}.json: is for frame {}, but the recording has {} frames",
                             source.labels.dir.string(), number, frame, recording->frame_count()));
   // The size of a cloud is only known after reading the frame.
   const bool is_cloud = recording && recording->info().width == 0;

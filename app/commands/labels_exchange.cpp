@@ -73,8 +73,9 @@ std::vector<FileOfFrame> files_to_import(const LabelsArgs& args,
   if (coco && !is_one) return images_to_import(*coco, *coco_path, input);
   if (!fs::is_directory(args.from)) {
     if (input.frames.size() != 1)
-      throw Error(fmt::format("{}: one file for {} frames; select its frame with --frames N",
-                              args.from.string(), input.frames.size()));
+      throw Error(fmt::format(
+          "{}: is a single file, but {} frames are selected; select its frame with --frames N",
+          args.from.string(), input.frames.size()));
     return {{input.frames[0], args.from, {}}};
   }
   const std::string extension = labels::extension_of(format);

@@ -89,8 +89,8 @@ void check_not_of_user(const fs::path& dir) {
     if (fs::exists(dir / name)) files.emplace_back(name);
   if (!files.empty())
     throw Error(
-        fmt::format("{}: already exists, but is not from an earlier map; expected a new or empty "
-                    "folder, or an earlier map",
+        fmt::format("{}: already exists, but is not part of an earlier map; expected a new or "
+                    "empty folder, or an earlier map",
                     (dir / *std::ranges::min_element(files)).string()));
 }
 
@@ -245,12 +245,13 @@ int run_map(const MapArgs& args, std::stop_token stop) {
     for (const std::string& line : map.warnings) notice("{}", line);
     if (planes > 0)
       throw Error(fmt::format(
-          "{}: not written: {} of {} do not fit the rest; expected poses of this recording, "
-          "T_world_camera in meters, quaternions as x y z w; found poses from {}",
+          "{}: not written: {} of {} do not fit the rest; found poses from {}; expected poses for "
+          "this recording: T_world_camera in meters, with quaternions as x y z w",
           args.out.string(), aside, counted(frames.size(), "frame"), map.poses.source));
-    throw Error(fmt::format("{}: not written: no plane was seen in {} or more of the {}",
-                            args.out.string(), map.tracker.options().confirm_frames,
-                            counted(input.frames.size(), "frame")));
+    throw Error(
+        fmt::format("{}: not written: no plane was seen in at least {} frames; the input has {}",
+                    args.out.string(), map.tracker.options().confirm_frames,
+                    counted(input.frames.size(), "frame")));
   }
   write_map(output, map, input.path.filename().string());
   write_meshes(args, job, map, output);
@@ -320,7 +321,8 @@ void define_map(CLI::App& app, Line& line) {
       throw Error("map: --shard cannot be combined with --follow, --join, --mesh, or --window");
     if (const double m = args->tracks.window_m; m > 0 && m < kLeastWindow_m)
       throw Error(
-          fmt::format("--window: {}; expected 0 (no limit) or at least {} m", m, kLeastWindow_m));
+          fmt::format("--window: {} is out of range; expected 0 (no limit) or at least {} m", m,
+                      kLeastWindow_m));
     if (!args->join.empty() && in_one_pass)
       throw Error("map: --join cannot be combined with --follow or --window");
   });

@@ -156,7 +156,8 @@ int run_report_init(const fs::path& set) {
     throw Error(std::string(kRulesFile) + ": already exists");
   const auto rules = report::built_in_rules(set.empty() ? "default" : set.string());
   if (rules.empty())
-    throw Error("report --init --rules " + set.string() + "; expected strict, default, or lenient");
+    throw Error("--rules: unknown set '" + set.string() +
+                "'; expected strict, default, or lenient");
   write_file_text(kRulesFile, report::rules_json(rules));
   fmt::print("{}\n", kRulesFile);
   return 0;

@@ -37,7 +37,7 @@ void settle_record(const fs::path& frame, report::ReportFrame& record) {
   for (report::ReportPicture& picture : record.pictures) {
     if (picture.name.empty() ||
         !std::ranges::all_of(picture.name, [](char c) { return c >= 'a' && c <= 'z'; }))
-      fail("picture name '" + picture.name + "'; expected lowercase letters");
+      fail("picture name '" + picture.name + "' is invalid; expected lowercase letters");
     picture.file = (frame / "pictures" / (picture.name + ".png")).generic_string();
   }
 }
@@ -80,7 +80,8 @@ ReportFolder::ReportFolder(const fs::path& dir, bool resume) : dir_(without_slas
   if (!lock_.is_held()) {
     made_dirs_.clear();
     throw Error("output " + dir_.string() +
-                ": another report is being written there: " + lock_.why_not());
+                (lock_.is_held_by_other() ? ": another report is being written there: " : ": ") +
+                lock_.why_not());
   }
   if (resume) return;
   on_disk(dir_, [&] {

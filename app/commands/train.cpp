@@ -52,7 +52,7 @@ Files checked_files(const TrainArgs& args) {
                 "to start over");
   if (!begun && args.resume)
     throw Error(files.checkpoint.string() +
-                ": no such file; --resume needs the checkpoint of an interrupted run");
+                ": no such file; --resume needs the checkpoint from an interrupted run");
   return files;
 }
 
@@ -62,8 +62,9 @@ lab::TrainState first_state(const TrainArgs& args) {
   if (args.from.empty()) return state;
   planes::NetworkWeights from = planes::read_weights(args.from);
   if (!(from.config == options.network))
-    throw Error(fmt::format("{}: weights of a different network; expected {} (--network)",
-                            args.from.string(), options.network.name));
+    throw Error(fmt::format(
+        "{}: contains weights for a different network; expected weights for {} (--network)",
+        args.from.string(), options.network.name));
   state.weights.tensors = std::move(from.tensors);
   return state;
 }
@@ -188,7 +189,8 @@ bool print_accuracy(const Session& session, const lab::TrainState& state) {
 
 void check(const TrainArgs& args) {
   if (args.out.extension() != ".safetensors")
-    throw Error("train: -o '" + args.out.string() + "'; expected a name that ends in .safetensors");
+    throw Error("train: -o '" + args.out.string() +
+                "' is not a weights file; expected a name that ends in .safetensors");
   expect_gravity(args.input.pipeline, "train");
   if (!args.synthetic && args.input.inputs.empty())
     throw Error("train: --recipe recordings needs labeled recordings");

@@ -114,9 +114,10 @@ TuneFrames read_tune_frames(const TuneArgs& args, const std::stop_token& stop) {
         // Compare data, so that a copy or another format of a recording is detected too.
         const auto [first, is_new] = halves.try_emplace(hash, frame.name, held);
         if (!is_new && first->second.second != held)
-          throw Error(fmt::format(
-              "{}: same data as {} in the other half; expected different frames in each half",
-              frame.name, first->second.first));
+          throw Error(
+              fmt::format("{}: has the same data as {} in the other half; expected different "
+                          "frames in each half",
+                          frame.name, first->second.first));
         (held ? frames.held : frames.tuning).push_back(std::move(frame));
       };
       const DamagedFrames damaged = for_each_frame("frames", input.frames, stop, take);
@@ -179,7 +180,8 @@ class TuneRun {
     planes::ChosenClassifier chosen = choose_classifier(args_.input.pipeline);
     make_output_dir(args_.out);
     const FolderLock lock = FolderLock::acquire(args_.out, "planescope tune");
-    if (!lock.is_held()) throw Error(args_.out.string() + ": is " + lock.why_not());
+    if (!lock.is_held())
+      throw Error(args_.out.string() + (lock.is_held_by_other() ? ": is " : ": ") + lock.why_not());
     lab::TuningJournal journal(args_.out, purpose_of(frames.tuning, searched_, chosen));
     if (!journal.trials().empty() && !args_.json)
       notice("resuming after {}", counted(journal.trials().size(), "trial"));

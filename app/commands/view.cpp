@@ -78,7 +78,7 @@ State first_state(const ViewArgs& args, const Settings& settings) {
   else if (args.baseline.empty())
     open_session(state, args.open);
   else
-    throw Error(args.open + ": not a report.json; remove --baseline");
+    throw Error(args.open + ": not a report.json, so it cannot have a baseline; remove --baseline");
   return state;
 }
 
@@ -149,7 +149,8 @@ int run_on_display(const ViewArgs& args, std::stop_token stop) {
   } catch (const NoDisplay& none) {
     notice(
         "{}; without a display, use `planescope report` or `planescope segment`, or draw this "
-        "window with `planescope view --screenshot FILE.png`, or with --offscreen and a script",
+        "window off-screen with `planescope view --screenshot FILE.png`, or with --offscreen and a "
+        "script",
         none.what());
     return 3;
   }
@@ -232,7 +233,7 @@ void define_view(CLI::App& app, Line& line) {
     }
     if (!args->screenshot.empty() && args->screenshot.extension() != ".png")
       throw Error("--screenshot " + args->screenshot.string() +
-                  "; expected a name that ends in .png");
+                  ": not a PNG file; expected a name that ends in .png");
     planes::PipelineOptions ignored;
     if (!args->compare.empty()) planes::set_profile(ignored, args->compare);  // throws if invalid
     if (args->open.empty() && !args->baseline.empty())

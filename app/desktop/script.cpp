@@ -88,7 +88,8 @@ class Player {
     // throw.
     const debug::FilterProblem& problem = shell_.state().view.search.problem;
     if (action == "filter.set" && !problem.message.empty())
-      throw Error(fmt::format("filter '{}', at {}: {}", argument, problem.begin, problem.message));
+      throw Error(fmt::format("filter '{}', at character {}: {}", argument, problem.begin + 1,
+                              problem.message));
   }
   WidgetRect widget(const std::string& name) const {
     const auto found = shell_.widgets().find(name);

@@ -200,7 +200,7 @@ std::vector<lab::ListedFrame> labeled_list(const fs::path& list, std::optional<l
   if (half) std::erase_if(frames, [&](const lab::ListedFrame& f) { return f.name.half != *half; });
   if (frames.empty())
     throw Error(list.string() + ": lists no frames" +
-                (half ? fmt::format(" of half {}", lab::to_string(*half)) : ""));
+                (half ? fmt::format(" for the {} half", lab::to_string(*half)) : ""));
   return frames;
 }
 
@@ -210,11 +210,11 @@ void finish(BenchRealArgs& args, const CLI::App& typed) {
   if (frames && args.frames_list.empty())
     throw Error("bench real needs a list of labeled frames, --frames-list FILE");
   if (frames && args.labels.empty())
-    throw Error("bench real needs the folder of the frames' labels, --labels DIR");
+    throw Error("bench real needs the frames' label folder, --labels DIR");
   if (frames || args.parts.contains("repeat")) {
     if (args.data.empty()) args.data = data_folder();
     if (args.data.empty())
-      throw Error("bench real needs the folder of recordings, --data DIR or PLANESCOPE_DATA");
+      throw Error("bench real needs the recordings folder, --data DIR or PLANESCOPE_DATA");
     if (!fs::is_directory(args.data))
       throw Error("--data: " + args.data.string() + " is not a folder");
   }

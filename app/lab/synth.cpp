@@ -97,7 +97,7 @@ void set_options(SynthSetArgs& args) {
   if (args.set.depth && (args.points || args.noise_m))
     throw Error("--points, --noise: " + args.set.name + " contains depth images; use --errors");
   if (!args.set.depth && args.errors)
-    throw Error("--errors: " + args.set.name + " contains clouds; use --points or --noise");
+    throw Error("--errors: " + args.set.name + " contains point clouds; use --points or --noise");
   if (args.count == 0) args.count = args.set.frames;
   args.options.points = args.points.value_or(args.options.points);
   args.options.noise_m = args.noise_m.value_or(args.options.noise_m);

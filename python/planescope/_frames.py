@@ -88,7 +88,7 @@ class Frame:
                 estimated from the image.
             distortion: k1, k2, p1, p2, k3.
             distortion_model: "brown_conrady" (OpenCV) or "inverse_brown_conrady".
-            color: (height, width, 3), uint8 RGB on the pixels of depth.
+            color: uint8 RGB of shape (height, width, 3), aligned with depth.
 
         Raises:
             Error: An argument has the wrong shape or type, or is out of range.
@@ -104,7 +104,7 @@ class Frame:
             coefficients = numbers(distortion, "distortion", "k1, k2, p1, p2, k3", (5,))
         image = buffer(depth, "depth", "uint16 counts or float meters of shape (height, width)")
         if color is not None:
-            color = buffer(color, "color", "uint8 RGB on the pixels of depth")
+            color = buffer(color, "color", "uint8 RGB of shape (height, width, 3), aligned with depth")
         self._core: Any = _core.Frame(
             image, intrinsics(K), coefficients, distortion_model, unit, vector(gravity), color
         )

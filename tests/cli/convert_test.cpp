@@ -128,14 +128,15 @@ TEST_F(Convert, CloudsKeepTheirPointsTruthAndPosition) {
   for (std::size_t i = 0; i < after.points.size(); i += 97)
     EXPECT_EQ(after.origin + after.points[i].cast<double>(),
               before.origin + before.points[i].cast<double>());
-  expect_refused(convert({dir / "clouds", "-o", dir / "no", "--to", "tum"}), "expected ply or pcd");
+  expect_refused(convert({dir / "clouds", "-o", dir / "no", "--to", "tum"}),
+                 "expected output as .ply or .pcd");
 }
 
 TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
   const fs::path out = dir / "one.ply";
   expect_refused(convert({sample, "-o", out}), "one file for 3 frames");
   const Ran ran = well(convert({sample, "-o", out, "--frames", "1"}));
-  EXPECT_TRUE(has(ran.err, "z of the clouds is the viewing direction"));
+  EXPECT_TRUE(has(ran.err, "z in the point clouds is the camera's viewing direction"));
   const Frame depth = io::open_recording(sample)->frame(1);
   const PointSet cloud = *io::open_recording(out)->frame(0).cloud;
   EXPECT_EQ(cloud.points.size(), static_cast<std::size_t>(std::ranges::count_if(
@@ -146,7 +147,7 @@ TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
 TEST_F(Convert, DepthInMetersConvertsToCloudsButNotToRoundedImages) {
   const fs::path in = fs::path(PLANESCOPE_SOURCE_DIR) / "tests/fuzz/corpus/mcap/meters";
   expect_refused(convert({in, "-o", dir / "x"}), "depth is in meters (32FC1)");
-  expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected ply or pcd");
+  expect_refused(convert({in, "-o", dir / "x.mcap"}), "expected output as .ply or .pcd");
   well(convert({in, "-o", dir / "x.ply"}));
   EXPECT_EQ(io::open_recording(dir / "x.ply")->frame(0).cloud->points.size(), 24U * 16 - 1);
   const auto json = nlohmann::json::parse(well(run({"info", "--json", in})).out)["recordings"][0];

@@ -29,7 +29,7 @@ Json planes_json(const fs::path& out) {
 void pick(const fs::path& recording, const Vec3d& down, bool all = true) {
   const auto opened = io::open_recording(recording);
   const io::PickedDirection direction{
-      down, {}, 0, opened->frame_hash(0), "picked: a floor of 1.00 m2"};
+      down, {}, 0, opened->frame_hash(0), "picked: a floor (1.00 m2)"};
   io::PickedGravity picked;
   if (all)
     picked.recording = direction;
@@ -185,7 +185,7 @@ TEST(GravityPicked, IsUsedByEveryCommand) {
   const Json gravity = planes_json(dir / "out")["gravity"];
   EXPECT_EQ(gravity["source"], "picked");
   EXPECT_EQ(gravity["direction"], (Json{0, 0.8, 0.6}));
-  EXPECT_EQ(gravity["note"], "picked: a floor of 1.00 m2");
+  EXPECT_EQ(gravity["note"], "picked: a floor (1.00 m2)");
   well(run(report_args({dir / "rec"}, dir / "report", {"--no-pictures"})));
   const Json report = read_report(dir / "report");
   for (const Json& frame : report["recordings"][0]["frames"])
@@ -210,7 +210,7 @@ TEST(GravityPicked, OnOneFrameIsTransferredToTheOthersByCameraMotion) {
   EXPECT_EQ(second["source"], "carried");
   EXPECT_EQ(
       second["note"],
-      "carried from frame 0 by odometry over 1 frame, where it was picked: a floor of 1.00 m2");
+      "carried from frame 0 by odometry over 1 frame, where it was picked: a floor (1.00 m2)");
   EXPECT_NEAR(second["direction"][1].get<double>(), 0.8, 1e-3);
   well(run({"segment", dir / "rec", "-o", dir / "alone", "--frames", "1"}));
   EXPECT_EQ(Json::parse(read_text(dir / "alone/frames/000001/planes.json"))["gravity"], second)

@@ -162,7 +162,7 @@ TEST_F(Integrity, AReportsLinkFollowsItsFrame) {
   EXPECT_EQ(read_json<Json>(dir / "state.json")["frame"], 3);
   expect_refused(run({"view", "--open", (dir / "report/report.json").string() + "#f2/p1",
                       "--offscreen", "--size", "800x500"}),
-                 "not the recording of");
+                 "not the recording used for");
 }
 
 }  // namespace

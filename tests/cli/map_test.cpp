@@ -271,7 +271,8 @@ TEST_F(Map, ReportsUnusablePoses) {
   // A map without planes is an error and replaces nothing.
   const std::string empty = reported(millimetres, 2, {});
   EXPECT_TRUE(has(empty, "may not contain T_world_camera in meters"));
-  EXPECT_TRUE(has(empty, "not written: no plane was seen in 3 or more of the 12 frames"));
+  EXPECT_TRUE(
+      has(empty, "not written: no plane was seen in at least 3 frames; the input has 12 frames"));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // So is a map that few frames fit: T_camera_world instead of T_world_camera is a common mistake.
   std::string inverse;
@@ -344,7 +345,7 @@ TEST_F(Map, DoesNotReplaceTheUsersFiles) {
   fs::create_directories(dir / "mine");
   write_file_text(dir / "mine" / "poses.tum", "measured by hand");
   expect_refused(refusal(dir / "mine"),
-                 "mine/poses.tum: already exists, but is not from an earlier map");
+                 "mine/poses.tum: already exists, but is not part of an earlier map");
   EXPECT_EQ(read_text(dir / "mine" / "poses.tum"), "measured by hand");
   for (const char* name : {"mesh.ply", "left.jsonl"}) {
     fs::rename(dir / "mine" / "poses.tum", dir / "poses.tum");
@@ -438,7 +439,7 @@ TEST_F(Map, UnmappableInputIsRejectedInOneLine) {
   expect_refused(map({"--poses", dir / "far.tum"}), "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");
   expect_refused(map({"--window", "0.01"}),
-                 "--window: 0.01; expected 0 (no limit) or at least 0.5");
+                 "--window: 0.01 is out of range; expected 0 (no limit) or at least 0.5");
   expect_refused(map({"--classifier", "truth"}), "--classifier truth");
   EXPECT_FALSE(fs::exists(dir / "out"));
   fs::copy_file(walk / "planescope.json", dir / "sidecar.json");

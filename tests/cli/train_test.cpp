@@ -155,7 +155,7 @@ TEST(Train, InvalidSettingsAreReportedBeforeAnythingIsWritten) {
   training.expect_refused({"-o", dir + "/start.safetensors/out.safetensors"}, "is not a folder");
   training.expect_refused({"-o", dir + "/out.bin"}, "expected a name that ends in .safetensors");
   training.expect_refused({"--network", "official"},
-                          "different network; expected official (--network)");
+                          "different network; expected weights for official (--network)");
   training.expect_refused({"--baseline", dir + "/none"}, "none: no such file");
   training.expect_refused({"--recipe", "cookies"},
                           "expected planescope, real-camera, paper, or recordings");

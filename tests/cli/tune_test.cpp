@@ -189,7 +189,7 @@ TEST(Tune, AFrameInBothHalvesIsRejectedEvenAsACopy) {
   fs::copy(dir / "a.labels", dir / "copy.labels", fs::copy_options::recursive);
   write_text(dir / "list.txt", "tuning a --frames :2\nheld-out copy --frames 1:\n");
   expect_refused(run({"tune", "--list", dir / "list.txt", "-o", dir / "out"}),
-                 "copy 1: same data as a 1 in the other half");
+                 "copy 1: has the same data as a 1 in the other half");
   EXPECT_FALSE(fs::exists(dir / "out"));
 }
 

@@ -199,7 +199,7 @@ TEST(Usage, UnknownNamesAreReportedInOneLineWithTheNearestName) {
        "expected one of stairs, side_walls"},
       {{"planescope-lab", "synth", "set", "ramps"}, "-o DIR"},
       {{"planescope-lab", "synth", "set", "ramps", "-o", "out", "--errors", "d435"},
-       "--errors: ramps contains clouds"},
+       "--errors: ramps contains point clouds"},
       {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--noise", "1"},
        "depth_boxes contains depth"},
       {{"planescope-lab", "synth", "set", "depth_boxes", "-o", "out", "--errors", "much"},

@@ -144,7 +144,7 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   refuses(file + "#f0/q1",
           "out/report.json: 'f0/q1' is not a place in a report; expected f<frame>");
   refuses(file + "#r2/f0", "report.json: has no r2; it has 1 recording");
-  refuses(file + "#f7", "report.json: has no f7; its frames of rec are 0, 1");
+  refuses(file + "#f7", "report.json: has no f7; its frames from rec are 0, 1");
   refuses(file + "#f0/p3", "report.json: has no p3: frame 0 has 2 planes");
   refuses(file + "#f0/was1", "the report names none; use --baseline FILE");
   refuses(file + "#f0/was1", file + " was approved as this baseline", {"--baseline", file});
@@ -157,8 +157,10 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   other["recordings"][0]["frames"].erase(1);
   write_text(dir / "base.json", other.dump());
   const std::vector<std::string> against{"--baseline", dir / "base.json"};
-  refuses(file + "#f0/was1", "base.json: has no was1: rec frame 0 has different input", against);
-  refuses(file + "#f1/was1", "base.json: has no was1: rec frame 1 is not in the baseline", against);
+  refuses(file + "#f0/was1",
+          "base.json: has no was1: in recording rec, frame 0 has different input", against);
+  refuses(file + "#f1/was1",
+          "base.json: has no was1: in recording rec, frame 1 is not in the baseline", against);
   EXPECT_EQ(facts(file + "#f0/p1", against)["frame"], 0) << "the options are still A's";
 }
 
@@ -219,10 +221,10 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {
   EXPECT_EQ(facts(file + "#f0/p1", {dir / "elsewhere/renamed"})["frame"], 0) << "it was given";
   fs::rename(dir / "elsewhere/renamed", dir / "elsewhere/rec");
   write_depth_folder(dir / "rec", other);
-  refuses(file + "#f0/p1", "not the recording of " + file);
+  refuses(file + "#f0/p1", "not the recording used for " + file);
 
   write_depth_folder(dir / "third", other);
-  refuses(file + "#f0/p1", "not the recording of " + file, {dir / "third"});
+  refuses(file + "#f0/p1", "not the recording used for " + file, {dir / "third"});
 
   fs::remove_all(dir / "rec");
   fs::rename(dir / "elsewhere/rec", dir / "rec");
@@ -232,7 +234,7 @@ TEST_F(ViewReport, AnotherRecordingOrOtherWeightsAreRejectedInOneLine) {
     if (option["name"] == "classifier") option["value"] = "../mine.safetensors";
   weights["record"]["weights"] = {{"sha256", std::string(64, 'a')}};
   write_text(file, weights.dump());
-  refuses(file + "#f0/p1", "mine.safetensors: not the weights of");
+  refuses(file + "#f0/p1", "mine.safetensors: not the weights used for");
 }
 
 }  // namespace

@@ -165,7 +165,7 @@ TEST(Library, ReportsErrorsInOneLine) {
   };
   EXPECT_EQ(with([](auto& i) { i.counts = nullptr; }), "depth image: no pixels");
   EXPECT_EQ(with([](auto& i) { i.camera.fx = 0; }),
-            "depth image: focal length 0, 300 px; expected above 0");
+            "depth image: focal length 0, 300 px; expected values above 0");
   EXPECT_EQ(
       with([](auto& i) { i.camera.fx = i.camera.fy = 1; }),
       "depth image: focal length 1, 1 px for 424x240 pixels, a field of view of more than 160 "
@@ -199,8 +199,8 @@ TEST(Library, ReportsErrorsInOneLine) {
   EXPECT_EQ(error_of([&] { ps::segment(ps::PointCloud()); }), "point cloud: no points");
   EXPECT_EQ(error_of([] { ps::Segmenter(ps::Options(), 0); }), "threads: 0; expected 1 or more");
   EXPECT_EQ(error_of([] { ps::Recording("/nowhere"); }), "/nowhere: no such file or folder");
-  EXPECT_EQ(error_of([] { ps::Recording(PLANESCOPE_SAMPLE)[3]; }),
-            PLANESCOPE_SAMPLE ": frame 3 is out of range; it has 3 frames, numbered from 0");
+  EXPECT_EQ(error_of([] { ps::Recording(PLANESCOPE_SAMPLE)[3]; }), PLANESCOPE_SAMPLE
+            ": frame 3 is out of range; the recording has 3 frames, numbered from 0");
   const std::string unknown = error_of([] { ps::Options().set("theta_n_ou", "3"); });
   EXPECT_NE(unknown.find("theta_n_out"), std::string::npos) << unknown;
   // Errors do not suggest options of the command line.

@@ -165,7 +165,7 @@ TEST_F(RosNode, LogsInvalidMessagesAndContinues) {
   send("depth/image", file().depth(0));
   EXPECT_EQ(last_line(), "image: its camera_info has not arrived yet");
   send("depth/camera_info", "abc");
-  EXPECT_EQ(last_line(), "sensor_msgs/msg/CameraInfo: damaged message of 3 bytes");
+  EXPECT_EQ(last_line(), "sensor_msgs/msg/CameraInfo: damaged 3-byte message");
   send("depth/camera_info", file().info());
   send("depth/image", file().depth(0));
   EXPECT_EQ(publisher("~/planes")->published.size(), 1);
@@ -179,12 +179,13 @@ TEST(RosSegmenter, RejectsUnsupportedImages) {
     std::string copy = image;
     return copy.replace(copy.find(from), from.size(), to);
   };
-  EXPECT_TRUE(has(refusal(segmenter, changed("16UC1", "bgra8")), "encoding \"bgra8\"; expected"));
-  EXPECT_TRUE(has(refusal(segmenter, changed("16UC1", "32FC1")), "rows of 1280 bytes; expected"));
+  EXPECT_TRUE(has(refusal(segmenter, changed("16UC1", "bgra8")),
+                  "encoding \"bgra8\" is not supported; expected"));
+  EXPECT_TRUE(has(refusal(segmenter, changed("16UC1", "32FC1")), "1280-byte rows; expected"));
   EXPECT_TRUE(has(refusal(segmenter, changed("camera", std::string("\0amera", 6))), "frame_id"));
   for (std::size_t size = 0; size < 100; ++size)
-    EXPECT_TRUE(has(refusal(segmenter, image.substr(0, size)), "damaged message")) << size;
-  EXPECT_TRUE(has(refusal(segmenter, image.substr(0, image.size() - 1)), "damaged message"));
+    EXPECT_TRUE(has(refusal(segmenter, image.substr(0, size)), "-byte message")) << size;
+  EXPECT_TRUE(has(refusal(segmenter, image.substr(0, image.size() - 1)), "-byte message"));
 }
 
 TEST(RosSegmenter, FloatsInMetersGiveTheSamePlanesAsMillimeters) {

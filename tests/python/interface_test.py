@@ -59,7 +59,7 @@ class BadInput(unittest.TestCase):
         with self.assertRaisesRegex(ps.Error, "^depth: a ndarray; expected an array of numbers"):
             ps.Frame(np.zeros((2, 2), "M8[s]"), K)
         self.expect(
-            "depth image: every pixel is beyond 65.5 m; expected meters",
+            "depth image: every pixel is beyond 65.5 m; expected depth in meters",
             lambda: ps.segment(100.0 * np.maximum(depth, 1000), K),
         )
         self.expect(
@@ -96,7 +96,7 @@ class BadInput(unittest.TestCase):
         )
         self.expect("gravity: shape (2,); expected x, y, z", lambda: ps.segment(depth, K, gravity=(0, 1)))
         self.expect(
-            "color: float64 of shape (240, 424, 3); expected uint8 RGB on the pixels of depth",
+            "color: float64 of shape (240, 424, 3); expected uint8 RGB of shape (height, width, 3), aligned with depth",
             lambda: ps.segment(depth, K, color=np.zeros((240, 424, 3))),
         )
         self.expect(

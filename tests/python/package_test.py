@@ -96,7 +96,7 @@ class Maps(unittest.TestCase):
         for wrong, why in (
             (poses[:3], re.escape("poses: shape (3, 4, 4); expected (12, 4, 4)")),
             (2 * poses, "pose of frame 0: not a rigid transform"),
-            ({50: poses[0]}, "frame 50 is out of range; it has 40"),
+            ({50: poses[0]}, "frame 50 is out of range; the recording has 40"),
             ({}, "poses: none"),
         ):
             with self.assertRaisesRegex(ps.Error, why):

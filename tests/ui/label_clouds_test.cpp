@@ -107,7 +107,7 @@ TEST_F(LabelClouds, ReportUnsupportedActionsInOneLine) {
   EXPECT_EQ(window.refusal("label.wand", "3,4"), "a cloud has no image; expected space:WxH");
   EXPECT_EQ(window.refusal("label.area", "image over 1,1 5,1 5,5"),
             "a cloud has no image; expected space:WxH");
-  EXPECT_NE(window.refusal("label.carry").find("labels of clouds cannot be carried"),
+  EXPECT_NE(window.refusal("label.carry").find("labels for clouds cannot be carried"),
             std::string::npos);
 }
 

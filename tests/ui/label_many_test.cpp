@@ -65,7 +65,7 @@ TEST_F(ManyFrames, ADoubtfulPlaneEndsIt) {
   EXPECT_EQ(state().document.frame, 1);
   EXPECT_NE(state().view.message.find("doubtful: P"), std::string::npos) << state().view.message;
   EXPECT_EQ(window.refusal("label.carry", "3 until"),
-            "action label.carry: '3 until'; expected [FRAMES] [doubt [SHARE]]");
+            "action label.carry: invalid argument '3 until'; expected [FRAMES] [doubt [SHARE]]");
 }
 
 TEST_F(ManyFrames, AClassOrARemovalAppliesToTheChainWithOneUndoStepPerFrame) {
@@ -77,7 +77,7 @@ TEST_F(ManyFrames, AClassOrARemovalAppliesToTheChainWithOneUndoStepPerFrame) {
   for (int frame = 0; frame < 4; ++frame)
     EXPECT_EQ(labels::find_plane(*store().labels(frame), 1)->label, Label::v) << frame;
   EXPECT_EQ(store().undo_count(), steps + 4);
-  EXPECT_EQ(state().view.message, "Make P1 v on 4 frames; undo reverts them one by one");
+  EXPECT_EQ(state().view.message, "Make P1 v on 4 frames; undo reverts one frame at a time");
   window.run("label.undo");
   EXPECT_EQ(find(1)->label, Label::h);
   window.run("label.chain.remove");
@@ -174,11 +174,12 @@ struct Learner : LabelDesktop {
 };
 
 TEST_F(Learner, WithoutAReviewedFrameThereIsNothingToLearn) {
-  EXPECT_EQ(window.refusal("label.learn"), "no frame is reviewed; press Shift+D to mark one");
+  EXPECT_EQ(window.refusal("label.learn"),
+            "no frame is marked as reviewed; press Shift+D to mark one");
   EXPECT_EQ(window.refusal("label.learn", "0"),
             "action label.learn: 0 is out of range; expected 1 to 1000000");
   EXPECT_EQ(window.refusal("label.learn", "1 2 3"),
-            "action label.learn: '1 2 3'; expected [STEPS [CLOUDS]]");
+            "action label.learn: invalid argument '1 2 3'; expected [STEPS [CLOUDS]]");
 }
 
 TEST_F(Learner, LearnsFromReviewedFramesAndIsUsedForTheNext) {

@@ -112,9 +112,10 @@ std::string first_key(const Action& action) { return action.keys.substr(0, actio
 void apply(State& state, const Command& command) {
   const Action& action = find_action(command.action);
   if (action.takes.empty() && !command.argument.empty())
-    throw Error(
-        fmt::format("action {}: '{}'; expected no argument", action.name, command.argument));
-  if (!action.can_run(state)) throw Error(fmt::format("action {}: not available now", action.name));
+    throw Error(fmt::format("action {}: unexpected argument '{}'; expected none", action.name,
+                            command.argument));
+  if (!action.can_run(state))
+    throw Error(fmt::format("action {}: not currently available", action.name));
   action.run(state, command);
   drop_done_hint(state);
 }

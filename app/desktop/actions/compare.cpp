@@ -58,7 +58,7 @@ void move_change(State& state,
   if (const auto& gravity = from.back().gravity) {
     // Do this first, because the file may not be writable. It may belong to another recording.
     keep_picked(state, gravity->recording, back ? gravity->before : gravity->after);
-    say(state, fmt::format("gravity of {} restored to its value {} the click",
+    say(state, fmt::format("gravity for {} restored to its value {} the click",
                            gravity->recording.filename().string(), back ? "before" : "after"));
   }
   to.push_back(from.back());
@@ -106,7 +106,7 @@ void compare_profile(State& state, const std::string& profile) {
   planes::set_profile(after, profile);
   pin(state);
   change_options(state, after);
-  say(state, fmt::format("A has the previous options, B has profile {}", profile));
+  say(state, fmt::format("A has the previous options; B has profile {}", profile));
 }
 
 void flash(State& state) {
@@ -158,7 +158,8 @@ PointWish read_wish(const State& state, const std::string& action, const std::st
   if (text == "own") return {debug::Wish::own_plane};
   if (text == "none") return {debug::Wish::no_plane};
   if (text.empty() || text == "plane") return {};
-  throw Error("action fix.point: '" + text + "'; expected plane, own, none, or with VOXEL");
+  throw Error("action fix.point: unknown value '" + text +
+              "'; expected plane, own, none, or with VOXEL");
 }
 
 void ask_of_selected(State& state, const PointWish& wish) {
@@ -196,7 +197,7 @@ void ask_of_point(State& state, const PointAsked& asked, bool far) {
   if (!current || !current->run->is_ours())
     return say(state, "fixes are available only for method ours");
   if (state.run() != current->run.get())
-    return say(state, "fixes are available for B, but A is shown (Space switches)");
+    return say(state, "fixes are available only for B, but A is shown; press Space to switch");
   const bool is_asked =
       fix.running ? !fix.begun || fix.of == current : fix.finished && fix.of == current;
   if (is_asked && fix.asked == asked && fix.target.far == far) return;

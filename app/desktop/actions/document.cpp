@@ -105,7 +105,8 @@ CameraEntry read_camera(const State&, const std::string& action, const std::stri
   CameraEntry entry;
   entry.remember = words.size() == 3 && words[2] == "remember";
   if (numbers.size() != 4 || words.size() > (entry.remember ? 3 : 2))
-    throw Error("action intrinsics.set: '" + text + "'; expected " + kIntrinsicsTake);
+    throw Error("action intrinsics.set: invalid argument '" + text + "'; expected " +
+                kIntrinsicsTake);
   for (std::size_t i = 0; i < 4; ++i) entry.intrinsics[i] = number_argument(action, numbers[i]);
   if (words.size() > 1) entry.depth_unit_m = number_argument(action, words[1]);
   return entry;

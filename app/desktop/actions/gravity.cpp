@@ -145,19 +145,18 @@ void keep_direction(State& state, io::PickedDirection picked, const std::string&
       planes::GravityMode::automatic;  // a direction in the options would override it
   change_picked(state, after, options);
   state.view.click = Click::selects;
-  std::string text = said;
+  const char* where = all ? "all frames"
+                      : open.recording->frame_count() == 1
+                          ? "this frame"
+                          : "this frame and frames whose camera motion relative to it is known";
+  std::string text = fmt::format("gravity for {} set {}", where, said);
   if (!subject_of(state).frame.is_cloud()) {
     const double tilt_deg =
         std::acos(std::clamp(picked.direction.y(), -1.0, 1.0)) * 180 / std::numbers::pi;
-    text += fmt::format(", the camera is tilted by {:.0f}°", tilt_deg);
+    text += fmt::format("; the camera is tilted by {:.0f}°", tilt_deg);
     if (tilt_deg > kMostTilt_deg) text += " (was that the right surface?)";
   }
-  say(state, fmt::format("gravity {} {}, stored in {}", text,
-                         all ? "for all frames"
-                         : open.recording->frame_count() == 1
-                             ? "for this frame"
-                             : "for this frame and, following the camera, for others",
-                         (open.label_dir / "gravity.json").string()));
+  say(state, fmt::format("{}; stored in {}", text, (open.label_dir / "gravity.json").string()));
   try {
     set_labels_gravity(state, {picked.direction, GravitySource::picked, 1, picked.note});
   } catch (const Error& error) {  // the picked gravity remains
@@ -170,8 +169,8 @@ void pick_floor(State& state, const Clicked& clicked) {
   const ClickedSurface surface = clicked_surface(state, clicked);
   io::PickedDirection picked;
   picked.direction = planes::gravity_of_floor(surface.normal);
-  picked.note = "picked: a floor of " + surface_text(surface);
-  keep_direction(state, picked, "from a floor of " + surface_text(surface));
+  picked.note = fmt::format("picked: a floor ({})", surface_text(surface));
+  keep_direction(state, picked, fmt::format("from a floor ({})", surface_text(surface)));
 }
 
 void pick_wall(State& state, const Clicked& clicked) {
@@ -210,8 +209,8 @@ void forget(State& state) {
   const bool own = after.frames.erase(state.document.frame) > 0;
   if (!own) after.recording.reset();
   change_picked(state, after, state.document.options);
-  say(state, own ? "this frame's picked gravity is forgotten"
-                 : "the recording's picked gravity is forgotten");
+  say(state, own ? "removed the gravity picked for this frame"
+                 : "removed the gravity picked for the recording");
 }
 
 bool has_pick(const State& state) {

@@ -32,8 +32,8 @@ void travel(State& state, bool back) {
   if (frames.empty()) return say_nothing_done(state, back ? "nothing to undo" : "nothing to redo");
   if (frames.size() == 1 && frames.front() != state.document.frame) {
     show_frame(state, frames.front());
-    return say(state, fmt::format("the step is on frame {}: press again to {} it", frames.front(),
-                                  back ? "undo" : "redo"));
+    return say(state, fmt::format("this step belongs to frame {}; press again to {} it",
+                                  frames.front(), back ? "undo" : "redo"));
   }
   if (!labels_at_hand(state)) return;
   for (const int frame : frames)
@@ -177,7 +177,7 @@ void open_labels(State& state) {
   else if (!store.read_only().empty())
     say(state, store.read_only(), true);
   else
-    say(state, fmt::format("labels of {}", open.label_dir.string()));
+    say(state, fmt::format("labels from {}", open.label_dir.string()));
 }
 
 void save_labels(State& state) {
@@ -195,7 +195,7 @@ void save_labels(State& state) {
     state.document.labels_written = true;
   } catch (const std::exception& error) {
     problem = error.what();
-    throw Error("labels not saved (they are in the journal): " + problem);
+    throw Error("labels were not saved (they are still in the journal): " + problem);
   }
 }
 

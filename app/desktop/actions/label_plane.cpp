@@ -68,7 +68,7 @@ void set_class(State& state, const std::optional<int>& chosen, Label label) {
   if (!chosen && !labels::find_plane(*work.labels, view.plane)) {
     const Paints wanted = label == Label::h ? Paints::h_only : Paints::v_only;
     view.paints = view.paints == wanted ? Paints::plane : wanted;
-    return say(state, view.paints == wanted ? fmt::format("strokes mark {}, without a plane", name)
+    return say(state, view.paints == wanted ? fmt::format("strokes mark {} without a plane", name)
                                             : "strokes mark planes");
   }
   const int plane = active_plane(state, chosen);
@@ -190,11 +190,13 @@ CarryJob read_carry(const State&, const std::string& action, const std::string& 
     if (!counts) frames = kMostFrames;
     plan.least_share = is_number() ? number_argument(action, words[next++]) : labels::kSure;
     if (!(plan.least_share > 0 && plan.least_share <= 1))
-      throw Error(fmt::format("action label.carry: share {} is out of range; expected 0 to 1",
-                              plan.least_share));
+      throw Error(fmt::format(
+          "action label.carry: share {} is out of range; expected more than 0 and at most 1",
+          plan.least_share));
   }
   if (next < words.size())
-    throw Error(fmt::format("action label.carry: '{}'; expected [FRAMES] [doubt [SHARE]]", text));
+    throw Error(fmt::format(
+        "action label.carry: invalid argument '{}'; expected [FRAMES] [doubt [SHARE]]", text));
   plan.left = frames - 1;
   return plan;
 }
@@ -271,11 +273,11 @@ void change_chain(State& state,
     ++changed;
   }
   let_go(state.view.label);
-  const std::string left = locked > 0 ? fmt::format(", {} locked", locked) : "";
+  const std::string left = locked > 0 ? fmt::format(" ({} locked)", locked) : "";
   if (changed == 0)
     return say_nothing_done(state,
                             fmt::format("P{}: nothing to change in its chain{}", plane, left));
-  say(state, fmt::format("{} P{}{} on {}{}; undo reverts them one by one", verb, plane, what,
+  say(state, fmt::format("{} P{}{} on {}{}; undo reverts one frame at a time", verb, plane, what,
                          counted(changed, "frame"), left));
 }
 

@@ -100,7 +100,7 @@ constexpr int kMostPictures = 500;  // unless the argument sets the interval
 constexpr const char* kSaveTakes = "PATH.png [FROM-TO [EVERY [PICTURES_PER_SECOND]]]";
 
 [[noreturn]] void refuse_saving(const std::string& text) {
-  throw Error("action steps.save: '" + text + "'; expected " + kSaveTakes);
+  throw Error("action steps.save: invalid argument '" + text + "'; expected " + kSaveTakes);
 }
 
 /// Parses the words after the path, which may contain spaces: "200-600 2 12".
@@ -127,7 +127,8 @@ void save_steps(State& state, const std::string& text) {
       if (const std::size_t after = at + ending.size(); after == text.size() || text[after] == ' ')
         end = std::min(end, after);
   if (end == std::string::npos)
-    throw Error("action steps.save: '" + text + "'; expected a name that ends in .png");
+    throw Error("action steps.save: '" + text +
+                "' is not a PNG file; expected a name that ends in .png");
   if (state.view.saving) throw Error("action steps.save: already saving steps; press Esc to stop");
   const std::int32_t steps = state.run()->steps(), at = state.view.step;
   StepsSaving saving{.path = text.substr(0, end),

@@ -280,7 +280,8 @@ void add_view_actions(std::vector<Action>& all) {
       .words("screenshot export png")
       .run(text("PATH"), [](State& s, const std::string& path) {
         if (!path.ends_with(".png"))
-          throw Error("action picture.save: '" + path + "'; expected a name that ends in .png");
+          throw Error("action picture.save: '" + path +
+                      "' is not a PNG file; expected a name that ends in .png");
         s.document.check_output(path);
         s.view.picture_to = path;
       });

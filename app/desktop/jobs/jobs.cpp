@@ -223,7 +223,7 @@ View FrameJobs::run_a(const Turn& turn, const Wanted& wanted, Like like, std::st
     });
     return view;
   } catch (const std::exception& error) {
-    problems = fmt::format("no A: {}", message_of(error));
+    problems = fmt::format("A is not available: {}", message_of(error));
     return nullptr;
   }
 }

@@ -156,8 +156,8 @@ void take_carried(State& state,
   if (plan.gone > 1 || !doubt.empty())
     return say(state, fmt::format("carried over {}{}{}",
                                   counted(static_cast<std::size_t>(plan.gone), "frame"),
-                                  doubt.empty() ? "" : ", doubtful: ", doubt));
-  say(state, fmt::format("{} planes carried from frame {} by {}, {} doubtful pixels stay unlabeled",
+                                  doubt.empty() ? "" : "; doubtful: ", doubt));
+  say(state, fmt::format("{} planes carried from frame {} by {}; {} doubtful pixels stay unlabeled",
                          carried->planes.size(), from, carried->method, doubtful));
 }
 

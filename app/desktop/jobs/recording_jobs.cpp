@@ -124,11 +124,11 @@ void take_proposals(State& state,
   std::ranges::stable_sort(spread.doubtful, std::greater(), &std::pair<int, double>::second);
   state.view.label.finish.reset();  // belongs to the previous labels
   open->labels->commit(edits);
-  std::string text = fmt::format("proposed in {}, {} doubtful pixels stay unlabeled",
+  std::string text = fmt::format("proposed in {}; {} doubtful pixels stay unlabeled",
                                  counted(edits.size(), "frame"), doubtful);
   if (!spread.doubtful.empty())
-    text += fmt::format(", most in frame {}", spread.doubtful.front().first);
-  if (left > 0) text += fmt::format("; {} labeled in the meantime", counted(left, "frame"));
+    text += fmt::format(", most of them in frame {}", spread.doubtful.front().first);
+  if (left > 0) text += fmt::format("; skipped {} labeled in the meantime", counted(left, "frame"));
   say(state, text);
 }
 

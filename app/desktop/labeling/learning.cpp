@@ -94,9 +94,9 @@ std::shared_ptr<const Learnt> measure_learnt(const LearningSource& source,
     learnt->steps = record.at("steps").get<int>();
     known = record.at("frames").get<std::vector<std::string>>();
   } catch (const std::exception&) {
-    throw Error(file.string() +
-                ": no record of its training frames; expected weights that were "
-                "trained in this window");
+    throw Error(
+        file.string() +
+        ": contains no record of its training frames; expected weights trained in this window");
   }
   learnt->frames = known.size();
   std::vector<planes::LabeledCloud> kept, since;
@@ -147,7 +147,8 @@ Lesson read_lesson(const State&, const std::string& action, const std::string& t
   Lesson lesson;
   const std::vector<std::string> words = words_of(text);
   if (words.size() > 2)
-    throw Error(fmt::format("action label.learn: '{}'; expected [STEPS [CLOUDS]]", text));
+    throw Error(
+        fmt::format("action label.learn: invalid argument '{}'; expected [STEPS [CLOUDS]]", text));
   if (!words.empty()) lesson.steps = whole_argument(action, words[0], 1, kMost);
   if (words.size() > 1) lesson.clouds = whole_argument(action, words[1], 1, kMost);
   return lesson;
@@ -160,7 +161,7 @@ void begin_training(State& state, const Lesson& lesson) {
   if (open.labels && !open.labels->read_only().empty()) throw Error(open.labels->read_only());
   save_labels(state);
   const std::size_t reviewed = learning_source(state).reviewed.size();
-  if (reviewed == 0) throw Error("no frame is reviewed; press Shift+D to mark one");
+  if (reviewed == 0) throw Error("no frame is marked as reviewed; press Shift+D to mark one");
   Learning::Training& training = learning(state).training;
   training = {};
   training.running = true;
@@ -179,7 +180,7 @@ void show_doubtful_frame(State& state) {
   Learning::Doubt& doubt = learning(state).doubt;
   if (doubt.of_frame.empty()) {
     if (state.document.options.classifier == "truth")
-      throw Error("ground truth labels have no confidence; choose a different classifier");
+      throw Error("ground-truth labels have no confidence; choose a different classifier");
     doubt.running = true;
     return say(state, "searching for doubtful frames");
   }

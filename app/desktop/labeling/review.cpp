@@ -276,8 +276,8 @@ SliverAction read_sliver_action(const State&, const std::string&, const std::str
   const std::vector<std::string> names = {"show", "keep", "take", "ignore"};
   const auto at = std::ranges::find(names, text);
   if (at != names.end()) return static_cast<SliverAction>(at - names.begin());
-  throw Error(
-      fmt::format("action review.slivers: '{}'; expected show, keep, take, or ignore", text));
+  throw Error(fmt::format(
+      "action review.slivers: unknown value '{}'; expected show, keep, take, or ignore", text));
 }
 
 void finish_review(State& state) {
@@ -286,7 +286,7 @@ void finish_review(State& state) {
   const bool reviewed = work.labels->review_state == "reviewed";
   const ReviewQueue* queue = state.results.label.review.get();
   if (!reviewed && (!queue || queue->labels != work.labels))
-    throw Error("differences are unknown; press D to open the review");
+    throw Error("differences have not been computed; press D to open the review");
   if (!reviewed && queue->undecided() > 0)
     throw Error(fmt::format("{} of {} regions are undecided", queue->undecided(),
                             queue->undecided() + work.labels->review.size()));
@@ -364,8 +364,9 @@ void add_review_actions(std::vector<Action>& all) {
       .when(nullptr)
       .run(number("CM2"), [](State& s, double cm2) {
         if (!(cm2 >= 0 && cm2 <= kLargestRegion_cm2))
-          throw Error(fmt::format("action review.smallest: {} cm2; expected 0 to {:g}", cm2,
-                                  kLargestRegion_cm2));
+          throw Error(
+              fmt::format("action review.smallest: {} cm2 is out of range; expected 0 to {:g}", cm2,
+                          kLargestRegion_cm2));
         s.view.label.review_smallest_cm2 = cm2;
       });
   review.add("review.against", "Compare with another annotator's labels")

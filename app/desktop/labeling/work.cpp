@@ -154,7 +154,8 @@ void begin_carry(State& state, const CarryJob& plan) {
   const int frame = state.document.frame;
   const OpenRecording& open = *state.document.current();
   if (work.frame.grid.is_cloud())
-    throw Error("labels of clouds cannot be carried: motion is estimated from depth images");
+    throw Error(
+        "labels for clouds cannot be carried, because motion is estimated from depth images");
   if (work.labels->planes.empty())
     throw Error(fmt::format("frame {} has no planes to carry", frame));
   if (frame + 1 >= open.recording->frame_count())
@@ -314,8 +315,8 @@ LabelGesture read_gesture(const std::string& action,
   }
   for (; next < parts.size(); ++next) gesture.path.push_back(place_argument(action, parts[next]));
   if (gesture.path.size() < least_places)
-    throw Error(fmt::format("action {}: '{}' has {} positions; expected {} or more", action, text,
-                            gesture.path.size(), least_places));
+    throw Error(fmt::format("action {}: '{}' has {}; expected at least {}", action, text,
+                            counted(gesture.path.size(), "position"), least_places));
   return gesture;
 }
 

@@ -63,7 +63,7 @@ const report::ReportFrame& frame_of(const report::ReportRecording& recording,
   constexpr std::size_t kMost = 12;
   const bool more = numbers.size() > kMost;
   if (more) numbers.resize(kMost);
-  throw Error(fmt::format("{}: has no f{}; its frames of {} are {}{}", target.file.string(),
+  throw Error(fmt::format("{}: has no f{}; its frames from {} are {}{}", target.file.string(),
                           std::max(0, target.frame), recording.name, fmt::join(numbers, ", "),
                           more ? ", ..." : ""));
 }
@@ -106,8 +106,8 @@ planes::PipelineOptions options_from(const report::Report& report,
     const fs::path shipped =
         app::find_asset("classifier.safetensors", "the weights of classifier gcn are");
     if (sha256_hex_of_file(shipped) != report.weights_sha256())
-      add_note(note, fmt::format("the weights of {} differ from those of {}", options.classifier,
-                                 file.filename().string()));
+      add_note(note, fmt::format("the weights of {} differ from those used for {}",
+                                 options.classifier, file.filename().string()));
     return options;
   }
   const std::vector<fs::path> places = places_of(options.classifier, file);
@@ -116,8 +116,8 @@ planes::PipelineOptions options_from(const report::Report& report,
                             file.string(), options.classifier));
   const auto same = std::ranges::find(places, report.weights_sha256(), sha256_hex_of_file);
   if (same == places.end())
-    throw Error(fmt::format("{}: not the weights of {}: SHA-256 differs", places[0].string(),
-                            file.string()));
+    throw Error(fmt::format("{}: not the weights used for {}: the SHA-256 hashes differ",
+                            places[0].string(), file.string()));
   options.classifier = same->string();
   return options;
 }
@@ -135,8 +135,7 @@ std::optional<int> number_in(const OpenRecording& open,
       frame.sha256.empty() ? std::nullopt : io::find_frames(*open.recording, wanted)[0];
   if (!found)
     why = fmt::format(
-        "{}: not the recording of {}: none of its {} is frame {}, "
-        "SHA-256 {}",
+        "{}: not the recording used for {}: none of its {} matches frame {}, SHA-256 {}",
         open.path.string(), report.string(), counted(count, "frame"), frame.index, frame.sha256);
   return found;
 }
@@ -224,8 +223,9 @@ std::optional<Baseline> baseline_of(const report::Report& report,
           fmt::format("{}: its baseline {} was not found there, in its folder, or above it; use "
                       "--baseline FILE",
                       target.file.string(), typed.string()));
-    add_note(note, fmt::format("no A: the baseline {} was not found; use --baseline FILE",
-                               typed.string()));
+    add_note(note,
+             fmt::format("A is not available: the baseline {} was not found; use --baseline FILE",
+                         typed.string()));
     return {};
   }
   const fs::path& file = places[0];
@@ -249,9 +249,9 @@ void find_fate(const Baseline& baseline,
   const auto same = std::ranges::find(comparison.frames, &frame, &report::FrameComparison::now);
   const bool usable = same->baseline && same->fate != report::FrameFate::other_input;
   if (target.of_baseline && !usable)
-    throw Error(fmt::format(
-        "{}: has no was{}: {} frame {} {}", baseline.file.string(), target.plane, same->recording,
-        frame.index, same->baseline ? "has different input there" : "is not in the baseline"));
+    throw Error(fmt::format("{}: has no was{}: in recording {}, frame {} {}",
+                            baseline.file.string(), target.plane, same->recording, frame.index,
+                            same->baseline ? "has different input" : "is not in the baseline"));
   if (!usable) return;
   if (target.of_baseline) expect_plane(*same->baseline, target, baseline.file);
   place.baseline = *same->baseline;
@@ -298,7 +298,7 @@ void open_report(State& state, const ReportLink& link) {
       place->options_a = options_from(baseline->report, baseline->file, place->note);
       place->options_a->threads = options.threads;
     } catch (const Error& error) {
-      add_note(place->note, fmt::format("no A: {}", error.what()));
+      add_note(place->note, fmt::format("A is not available: {}", error.what()));
     }
   }
   if (place->options_a && same_options(*place->options_a, options) &&
@@ -306,7 +306,7 @@ void open_report(State& state, const ReportLink& link) {
     add_note(place->note, "A and B are the same: the baseline had these options");
   OpenRecording open = open_recorded(state, recording, frame, link, target.file, place->frame);
   if (place->frame != frame.index)
-    add_note(place->note, fmt::format("frame {} of the report is frame {} of {} now", frame.index,
+    add_note(place->note, fmt::format("frame {} in the report is now frame {} of {}", frame.index,
                                       place->frame, open.path.string()));
 
   take_recording(state, std::move(open), place->frame);

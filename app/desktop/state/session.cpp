@@ -204,7 +204,7 @@ void find_session_frames(Session& session, const fs::path& path) {
     throw Error(fmt::format("{}: {} is not the session's recording; frame {} differs",
                             path.string(), open.path.string(), session.frame));
   if (*found[0] != session.frame)
-    session.note = fmt::format("frame {} of the session is frame {} of {} now", session.frame,
+    session.note = fmt::format("frame {} in the session is now frame {} of {}", session.frame,
                                *found[0], open.path.string());
   // Bookmarks of old sessions have no hash, so their frames cannot be found.
   for (Bookmark& b : session.bookmarks)
@@ -308,9 +308,8 @@ void open_session(State& state, const std::string& where) {
   }
   const int count = session.recording.recording->frame_count();
   if (arrival.frame < 0 || arrival.frame >= count)
-    throw Error(fmt::format("{}: it refers to {}, but {} has {}", path.string(),
-                            frame_name(arrival), session.recording.path.string(),
-                            counted(count, "frame")));
+    throw Error(fmt::format("{}: refers to {}, but {} has {}", path.string(), frame_name(arrival),
+                            session.recording.path.string(), counted(count, "frame")));
 
   session.view.mode = Mode::debugger;
   take_recording(state, std::move(session.recording), arrival.frame);

@@ -204,7 +204,7 @@ void follow_planes(State& state) {
   const OpenRecording* open = state.document.current();
   if (open->recording->info().width == 0)
     throw Error(
-        "action map.make: the recording contains clouds; planes can be tracked only in depth "
+        "action map.make: the recording contains point clouds; planes can be tracked only in depth "
         "images");
   if (!open->recording->info().knows_camera())
     throw Error("action map.make: the recording has no camera intrinsics");

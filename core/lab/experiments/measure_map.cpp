@@ -351,7 +351,7 @@ Vec3d vector_of(const Json& json) {
 }
 
 Error not_a_map(const fs::path& file, const Json::exception& problem) {
-  return Error(fmt::format("{}: {}; expected output of planescope map", file.string(),
+  return Error(fmt::format("{}: {}; expected the output of planescope map", file.string(),
                            json_problem(problem)));
 }
 
@@ -407,7 +407,7 @@ std::vector<Cuboid> read_cuboids(const fs::path& file) {
   }
   if (cuboids.empty())
     throw Error(file.string() +
-                ": contains no cuboids; expected lines of x y z yaw and half sizes");
+                ": contains no cuboids; expected lines with x, y, z, yaw, and half sizes");
   return cuboids;
 }
 

@@ -358,7 +358,8 @@ FramePoses own_poses(const io::Recording& recording) {
 
 SteadyScores measure_steady(const SteadyJob& job) {
   const io::RecordingInfo& info = job.recording->info();
-  if (info.width == 0) throw Error(info.path.string() + ": contains clouds; expected depth images");
+  if (info.width == 0)
+    throw Error(info.path.string() + ": contains point clouds; expected depth images");
   const std::vector<SteadyChange> changes = changes_of(job);
   struct OfUnit {
     std::vector<std::vector<SteadyPair>> pairs;  // by change

@@ -143,7 +143,7 @@ void check_options(const SampleOptions& options) {
   for (const std::string& scene : options.scenes) make_scene(scene, options.seed);
   for (const int side : {options.width, options.height}) {
     if (side < kMinSide || side > kMaxSide) {
-      throw Error("synth sample: " + std::to_string(side) + " pixels; expected " +
+      throw Error("synth sample: image side of " + std::to_string(side) + " pixels; expected " +
                   std::to_string(kMinSide) + " to " + std::to_string(kMaxSide));
     }
   }

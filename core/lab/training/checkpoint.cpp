@@ -149,10 +149,11 @@ TrainState read_checkpoint(const std::filesystem::path& path,
   try {
     read_progress(parse_json<nlohmann::json>(file.metadata["progress"], path.string()), state);
   } catch (const std::exception& error) {
-    throw Error(fmt::format("{}: its progress is damaged: {}", path.string(), json_problem(error)));
+    throw Error(
+        fmt::format("{}: its progress record is damaged: {}", path.string(), json_problem(error)));
   }
   if (!is_possible(state, options.steps))
-    throw Error(fmt::format("{}: its progress is damaged: step {} of {} after {} epochs",
+    throw Error(fmt::format("{}: its progress record is damaged: step {} of {} after {} epochs",
                             path.string(), state.step, options.steps, state.epochs.size()));
   return state;
 }

@@ -378,7 +378,7 @@ double train_step(
   for (const CloudGradient& gradient : gradients) loss += gradient.loss;
   loss /= static_cast<double>(batch);
   if (!std::isfinite(loss))
-    throw Error("training: the loss of step " + std::to_string(state.step) +
+    throw Error("training: the loss at step " + std::to_string(state.step) +
                 " is not a finite number; use a smaller learning rate or different weights");
 
   const double rate = learning_rate(options, state.step);

@@ -212,7 +212,7 @@ bool TuningJournal::read(const TuningPurpose& purpose) {
                             file_.string(), name));
       }
     } catch (const Json::exception& problem) {
-      throw Error(where + ": not a readable trial: " + json_problem(problem));
+      throw Error(where + ": not a valid trial: " + json_problem(problem));
     }
   }
   return !lines.empty();

@@ -48,9 +48,10 @@ inline Frame from_open3d(const open3d::geometry::Image& depth,
                          const std::optional<Vec3>& gravity = {}) {
   if (depth.num_of_channels_ != 1 ||
       (depth.bytes_per_channel_ != 2 && depth.bytes_per_channel_ != 4))
-    throw Error("Open3D image: " + std::to_string(depth.num_of_channels_) + " channels of " +
-                std::to_string(depth.bytes_per_channel_) +
-                " bytes; expected one channel of 16-bit counts or floats");
+    throw Error("Open3D image: " + std::to_string(8 * depth.bytes_per_channel_) +
+                "-bit values in " + std::to_string(depth.num_of_channels_) +
+                (depth.num_of_channels_ == 1 ? " channel" : " channels") +
+                "; expected 16-bit counts or floats in one channel");
   if (depth.width_ != camera.width_ || depth.height_ != camera.height_)
     throw Error("Open3D image: " + std::to_string(depth.width_) + "x" +
                 std::to_string(depth.height_) + ", but its camera is " +

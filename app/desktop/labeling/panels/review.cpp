@@ -22,11 +22,11 @@ const char* meaning_of(DisagreementKind kind) {
     case DisagreementKind::missed:
       return "A labeled plane that the other side does not have";
     case DisagreementKind::invented:
-      return "A plane of the other side that is not labeled";
+      return "A plane on the other side that is not labeled";
     case DisagreementKind::split:
       return "A piece that the other side separates from a labeled plane";
     case DisagreementKind::merged:
-      return "A plane of the other side that continues over another labeled plane";
+      return "A plane on the other side that continues over another labeled plane";
     case DisagreementKind::class_flip:
       return "The same plane, horizontal on one side and vertical on the other";
     default:

@@ -60,8 +60,9 @@ TEST(MapTruth, DamagedCuboidsAreRejectedWithTheirLine) {
     write_file_text(file, text);
     return message_of([&] { read_cuboids(file); });
   };
-  EXPECT_EQ(refusal("# none\n"),
-            file.string() + ": contains no cuboids; expected lines of x y z yaw and half sizes");
+  EXPECT_EQ(
+      refusal("# none\n"),
+      file.string() + ": contains no cuboids; expected lines with x, y, z, yaw, and half sizes");
   EXPECT_EQ(refusal("# one\n0 0 1 0 1 1\n"),
             file.string() + ", line 2: 6 words; expected x y z yaw and three half sizes");
   EXPECT_EQ(
