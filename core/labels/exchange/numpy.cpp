@@ -38,7 +38,7 @@ class NpyHeader {
         array.shape = shape();
         has_shape = true;
       } else {
-        fail("has the unknown entry \"" + printable(key) + "\"");
+        fail("has an unknown entry, \"" + printable(key) + "\"");
       }
       if (!take(',')) {
         expect('}');
@@ -352,7 +352,7 @@ LabeledPoints parse_npz(io::Bytes file, const std::string& where) {
   LabeledPoints points;
   const auto instance = read_array(archive.get(), "instance", 1, where);
   if (instance.empty() && zip_name_locate(archive.get(), "instance.npy", 0) < 0)
-    throw Error(where + ": no array \"instance\"; expected an array of plane ids");
+    throw Error(where + ": no \"instance\" array; expected an array of plane ids");
   points.instance = instances_of(instance, where + ": instance");
   const std::size_t count = points.size();
   const auto read = [&](const char* name, std::uint64_t columns) {
