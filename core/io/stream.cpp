@@ -126,7 +126,7 @@ class DescriptorStream : public FrameStream {
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
       throw Error(
-          fmt::format("{}: no header in the first {} bytes; expected a JSON line with schema {}",
+          fmt::format("{}: no header ({} bytes read); expected a JSON line with schema {}",
                       kStream, header.size(), kStreamSchema));
     return header;
   }

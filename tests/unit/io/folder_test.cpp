@@ -463,10 +463,10 @@ TEST(Folder, ADamagedSidecarIsReportedWithItsKey) {
 TEST(Folder, PicturesOfDepthAreDamagedFrames) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_damaged(eight, {"2.png", "1 channel of 8 bits", "16 bits"});
+  expect_damaged(eight, {"2.png", "8-bit PNG with 1 channel", "16-bit"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_damaged(three, {"10.png", "3 channels of 8 bits"});
+  expect_damaged(three, {"10.png", "8-bit PNG with 3 channels"});
 }
 
 TEST(Folder, InconsistentSizesAreRejected) {
