@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/io/cloud_files/cloud_file.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::labels {
@@ -50,8 +51,8 @@ FileBytes evops_bytes(const LabeledPoints& points) {
 LabeledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
-    throw Error(where + ": an array with " + std::to_string(array.shape.size()) +
-                " dimensions; expected one plane id per point");
+    throw Error(where + ": an array with " + counted(array.shape.size(), "dimension") +
+                "; expected one plane id per point");
   check_count(array.size(), where);
   LabeledPoints points;
   points.instance = instances_of(array.values(), where);

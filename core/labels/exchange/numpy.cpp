@@ -9,6 +9,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -268,8 +269,7 @@ std::vector<double> read_array(zip_t* archive,
       columns == 1 ? array.shape.size() == 1 : array.shape.size() == 2 && array.shape[1] == columns;
   if (!fits)
     throw Error(
-        array_name + ": an array with " + std::to_string(array.shape.size()) +
-        " dimensions; expected " +
+        array_name + ": an array with " + counted(array.shape.size(), "dimension") + "; expected " +
         (columns == 1 ? "one value per point" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
   expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);

@@ -120,8 +120,8 @@ TEST(Folder, ColorThatCannotBeAlignedWithDepthIsNamed) {
   const auto warnings = [&](const RecordingOptions& options) {
     return open_recording(folder, options)->info().warnings;
   };
-  EXPECT_EQ(warnings(kKnown), std::vector<std::string>{"color cannot be aligned with depth: color "
-                                                       "of 16x9 without extrinsics to depth"});
+  EXPECT_EQ(warnings(kKnown), std::vector<std::string>{"color cannot be aligned with depth: 16x9 "
+                                                       "color without depth-to-color extrinsics"});
   RecordingOptions without_color = kKnown;
   without_color.color = false;
   EXPECT_TRUE(warnings(without_color).empty());
