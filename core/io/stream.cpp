@@ -125,9 +125,8 @@ class DescriptorStream : public FrameStream {
     for (unsigned char byte = 0; header.size() < kMostBytes; header += static_cast<char>(byte))
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
-      throw Error(
-          fmt::format("{}: no header ({} bytes read); expected a JSON line with schema {}",
-                      kStream, header.size(), kStreamSchema));
+      throw Error(fmt::format("{}: no header ({} bytes read); expected a JSON line with schema {}",
+                              kStream, header.size(), kStreamSchema));
     return header;
   }
 

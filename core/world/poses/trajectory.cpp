@@ -353,8 +353,7 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
     if (frame_of[at] >= 0)
       throw Error(
           fmt::format("{}: the pose at {} s is the nearest one to both frame {} and frame {}; "
-                      "expected a pose for each "
-                      "frame, with times in seconds on the frames' clock",
+                      "expected a pose for each frame, with times in seconds on the frames' clock",
                       trajectory.source, times[at], frame_of[at], frames[i]));
     frame_of[at] = frames[i];
     found[i] = sorted[at];
@@ -362,8 +361,8 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
   if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
     throw Error(
         fmt::format("{}: no pose is close in time to a frame: poses are from {} s to {} s, frames "
-                    "from {} s to {} s; expected "
-                    "times in seconds on the frames' clock",
+                    "from {} s to {} s; "
+                    "expected times in seconds on the frames' clock",
                     trajectory.source, times.front(), times.back(), first_s, last_s));
   return found;
 }
