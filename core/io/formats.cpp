@@ -199,7 +199,7 @@ std::string describe_files(const std::vector<fs::path>& files) {
   std::map<std::string, int> kinds;
   for (const fs::path& file : files) {
     const std::string kind = extension(file);
-    ++kinds[kind.empty() ? "without extension" : kind];
+    ++kinds[kind.empty() ? "without an extension" : kind];
   }
   std::string text;
   for (const auto& [kind, count] : kinds) {

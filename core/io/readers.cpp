@@ -71,7 +71,7 @@ Intrinsics read_intrinsics(const JsonPlace& place) {
 }
 
 std::optional<Pose> read_world_pose(const JsonPlace& place) {
-  constexpr const char* kExpected = "tx ty tz and a quaternion qx qy qz qw of length 1";
+  constexpr const char* kExpected = "tx ty tz and a unit quaternion qx qy qz qw";
   if (!place.has("T_world_camera")) return std::nullopt;
   const auto n = read_numbers<7>(place.at("T_world_camera"), kExpected);
   const Eigen::Quaterniond q(n[6], n[3], n[4], n[5]);
@@ -264,8 +264,8 @@ void settle_camera(const RecordingOptions& options,
   Intrinsics& k = info.intrinsics;
   if (!info.intrinsics_source.empty() && !usable(k))
     throw Error(
-        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are invalid; expected focal "
-                    "lengths above 0, in pixels",
+        fmt::format("{}: intrinsics fx {:f}, fy {:f} from {} are invalid; expected positive focal "
+                    "lengths in pixels",
                     path, k.fx, k.fy, info.intrinsics_source));
   if (k.width > 0 && k.height > 0 && (k.width != info.width || k.height != info.height))
     throw Error(fmt::format("{}: depth images are {}x{}, but the intrinsics in {} are for {}x{}",
@@ -293,8 +293,9 @@ void settle_camera(const RecordingOptions& options,
     info.depth_unit_source = "assumed (RealSense default)";
   }
   if (!(info.depth_unit_m > 0) || !std::isfinite(info.depth_unit_m))
-    throw Error(fmt::format("{}: depth unit {:f} m from {}; expected more than 0 meters per count",
-                            path, info.depth_unit_m, info.depth_unit_source));
+    throw Error(fmt::format(
+        "{}: depth unit {:f} m from {} is invalid; expected more than 0 meters per count", path,
+        info.depth_unit_m, info.depth_unit_source));
 }
 
 bool set_distortion(const std::string& model,

@@ -36,8 +36,7 @@ inline constexpr const char* kHowToGiveIntrinsics = "specify them with --intrins
 
 /// What is wrong with RecordingInfo::ignored_calibration, for people.
 inline constexpr const char* kNotACalibration =
-    "not a supported calibration; expected JSON, OpenCV XML, or text of 4, 7, 9, or 16 "
-    "numbers";
+    "not a supported calibration; expected JSON, OpenCV XML, or text with 4, 7, 9, or 16 numbers";
 
 /// Facts about a recording, for `info`, for reports and for the one-line summary on load.
 struct RecordingInfo {

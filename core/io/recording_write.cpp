@@ -64,9 +64,10 @@ void expect_one_camera(const std::vector<WrittenFrame>& frames) {
   for (const WrittenFrame& frame : frames)
     if (!(frame.facts.intrinsics == first.intrinsics) ||
         frame.facts.depth_unit_m != first.depth_unit_m)
-      throw Error(fmt::format(
-          "frame {}: camera or depth unit differs from frame {}; expected the same for all frames",
-          frame.facts.index, first.index));
+      throw Error(
+          fmt::format("frame {}: camera or depth unit differs from that of frame {}; expected the "
+                      "same for all frames",
+                      frame.facts.index, first.index));
 }
 
 void write_tum_list(const fs::path& path,
@@ -116,8 +117,8 @@ void write_folder_facts(const fs::path& dir,
     for (std::size_t i = 1; i < frames.size(); ++i)
       if (!(frames[i].facts.timestamp_s > frames[i - 1].facts.timestamp_s))
         throw Error(
-            fmt::format("frame {}: time {:.6f} s; expected a later time than the previous frame's, "
-                        "because the TUM format names files by time",
+            fmt::format("frame {}: time {:.6f} s is not later than the previous frame's; expected "
+                        "increasing times, because the TUM format names files by time",
                         frames[i].facts.index, frames[i].facts.timestamp_s));
     write_tum_list(dir / "depth.txt", "depth", frames, true);
     if (first_in_color(frames)) write_tum_list(dir / "rgb.txt", "rgb", frames, false);

@@ -58,14 +58,14 @@ class DescriptorStream : public FrameStream {
       const std::size_t most = 2 * raw_bytes() + (1 << 16);  // PNG expands data only slightly
       if (length == 0 || length > most)
         throw Error(
-            fmt::format("{}: frame {}: a PNG of {} bytes; expected 1 to {} for {}x{} pixels",
+            fmt::format("{}: frame {}: a {}-byte PNG; expected 1 to {} bytes for {}x{} pixels",
                         kStream, count_, length, most, info_.width, info_.height));
     }
     std::vector<unsigned char> bytes(length);
     if (!read_whole(bytes, stop, "image")) {
       if (is_png_ && !stop.stop_requested())
-        throw Error(
-            fmt::format("{}: frame {} is truncated: 0 of {} bytes", kStream, count_, length));
+        throw Error(fmt::format("{}: frame {} is truncated: received 0 of {} bytes", kStream,
+                                count_, length));
       return false;
     }
     if (!keeps_all_) kept_.clear();
@@ -114,8 +114,8 @@ class DescriptorStream : public FrameStream {
     const std::size_t got = read_some(bytes, stop);
     if (got == bytes.size()) return true;
     if (got > 0 && !stop.stop_requested())
-      throw Error(fmt::format("{}: frame {} is truncated: {} of {} bytes of its {}", kStream,
-                              count_, got, bytes.size(), what));
+      throw Error(fmt::format("{}: frame {} is truncated: received {} of {} bytes of its {}",
+                              kStream, count_, got, bytes.size(), what));
     return false;
   }
 
@@ -125,7 +125,7 @@ class DescriptorStream : public FrameStream {
     for (unsigned char byte = 0; header.size() < kMostBytes; header += static_cast<char>(byte))
       if (read_some({&byte, 1}, {}) == 0 || byte == '\n') break;
     if (!header.starts_with('{') || header.size() == kMostBytes)
-      throw Error(fmt::format("{}: {} bytes without a header; expected a JSON line with schema {}",
+      throw Error(fmt::format("{}: no header ({} bytes read); expected a JSON line with schema {}",
                               kStream, header.size(), kStreamSchema));
     return header;
   }
@@ -142,7 +142,7 @@ class DescriptorStream : public FrameStream {
       std::memcpy(depth.data.data(), bytes.data(), bytes.size());
     }
     if (depth.width != info_.width || depth.height != info_.height)
-      throw Error(fmt::format("{}: {}x{} pixels; expected {}x{}, according to the header", name,
+      throw Error(fmt::format("{}: {}x{} pixels; expected {}x{}, as declared in the header", name,
                               depth.width, depth.height, info_.width, info_.height));
     return depth;
   }
@@ -162,7 +162,8 @@ std::unique_ptr<FrameStream> open_stream(int descriptor,
                                          const RecordingOptions& options,
                                          bool keeps_all) {
   if (!options.topic.empty())
-    throw Error(fmt::format("{}: frames, which have no topics; --topic requires a bag", kStream));
+    throw Error(
+        fmt::format("{}: a stream of frames has no topics; --topic requires a bag", kStream));
   return std::make_unique<DescriptorStream>(descriptor, options, keeps_all);
 }
 

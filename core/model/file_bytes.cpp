@@ -237,10 +237,9 @@ void set_read_limit_bytes(std::uint64_t bytes) { g_limit_bytes = bytes; }
 void expect_within_read_limit(double bytes, const std::string& what) {
   const auto limit = static_cast<double>(read_limit_bytes());
   if (bytes > limit)
-    throw Error(
-        fmt::format("{} would need {:.0f} MiB of memory; expected at most {:.0f}; see "
-                    "--read-limit",
-                    what, bytes / kMiB, limit / kMiB));
+    throw Error(fmt::format(
+        "{} would need {:.0f} MiB of memory; expected at most {:.0f} MiB; see --read-limit", what,
+        bytes / kMiB, limit / kMiB));
 }
 
 namespace {

@@ -181,7 +181,7 @@ std::uint64_t JsonPlace::count(std::uint64_t high) const {
   if (!json_->is_number_unsigned() || json_->get<std::uint64_t>() > high)
     fail_kind(high < std::numeric_limits<std::uint64_t>::max()
                   ? fmt::format("a whole number from 0 to {}", high)
-                  : "a whole number of at least 0");
+                  : "a nonnegative whole number");
   return json_->get<std::uint64_t>();
 }
 

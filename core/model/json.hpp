@@ -89,10 +89,10 @@ class JsonPlace {
   const nlohmann::ordered_json& json() const { return *json_; }
 
   [[noreturn]] void fail_kind(const std::string& expected) const;
+  [[noreturn]] void fail(const std::string& what) const;
 
  private:
   JsonPlace maybe(const char* key) const;
-  [[noreturn]] void fail(const std::string& what) const;
 
   const nlohmann::ordered_json* json_;
   std::string where_;

@@ -117,7 +117,7 @@ void warn_of_aside(const Tracker& tracker,
   if (aside > 0)
     warnings.push_back(fmt::format(
         "{} set aside, beginning with frame {}: depth and pose do not fit the map so far; "
-        "check the poses of {}",
+        "check the poses in {}",
         counted(aside, "frame"), first, poses));
   const auto& frames = tracker.frames();
   std::vector<std::string> begin;  // frames

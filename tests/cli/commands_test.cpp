@@ -69,7 +69,7 @@ TEST(Info, WarnsIfGravityContradictsTheScene) {
   const std::string rec = (dir / "rec").string();
   EXPECT_EQ(run({"info", rec, "--gravity", "0,1,0.1"}).err, "");
   const Ran ran = well(run({"info", rec, "--gravity", "0.6,0.8,0"}));
-  EXPECT_TRUE(has(ran.err, "contradicts the scene by 37\u00b0"));
+  EXPECT_TRUE(has(ran.err, "disagrees with the scene by 37\u00b0"));
 }
 
 TEST(Eval, TrueLabelsBesideARecordingAreFound) {
@@ -162,7 +162,7 @@ TEST(InstanceField, IsReadByNameInsteadOfInstance) {
       run({"eval", "--classifier", "truth", "--instance-field", "segment", dir / "tops.pcd"});
   EXPECT_EQ(by_truth.code, 2);
   EXPECT_TRUE(has(by_truth.err, "requires ground truth labels"));
-  for (const auto& [field, problem] : {std::pair{"nothing", "points have no field 'nothing'"},
+  for (const auto& [field, problem] : {std::pair{"nothing", "points have no 'nothing' field"},
                                        {"half", "field 'half' contains 0.5"}}) {
     expect_refused(eval(field), problem);
   }

@@ -210,7 +210,7 @@ TEST(GravityPicked, OnOneFrameIsTransferredToTheOthersByCameraMotion) {
   EXPECT_EQ(second["source"], "carried");
   EXPECT_EQ(
       second["note"],
-      "carried from frame 0 by odometry over 1 frame, where it was picked: a floor (1.00 m2)");
+      "carried from frame 0, where it was picked: a floor (1.00 m2), by odometry over 1 frame");
   EXPECT_NEAR(second["direction"][1].get<double>(), 0.8, 1e-3);
   well(run({"segment", dir / "rec", "-o", dir / "alone", "--frames", "1"}));
   EXPECT_EQ(Json::parse(read_text(dir / "alone/frames/000001/planes.json"))["gravity"], second)

@@ -85,7 +85,7 @@ TEST_F(Labels, CheckDistinguishesDamagedFilesFromFindings) {
   const Ran ran = labels_of("check", {own});
   EXPECT_EQ(ran.code, 2);
   for (const char* part : {"000000.plane.png", "000001.hv.png", "000002.json",
-                           "labels for frame 2; expected frame 7", "4 damaged"})
+                           "labels for frame 2; expected labels for frame 7", "4 damaged"})
     EXPECT_TRUE(has(ran.out, part)) << part << "\n" << ran.out;
 }
 
@@ -475,7 +475,7 @@ TEST_F(CloudLabels, EveryCommandRejectsLabelsOfAnotherCloud) {
   const std::string other = (dir / "other.ply").string();
   io::write_ply(other, fewer);
   const std::string part =
-      "000000.json: created for a cloud of " + std::to_string(cloud.grid.pixels()) +
+      "000000.json: created for a cloud with " + std::to_string(cloud.grid.pixels()) +
       " points, but this recording's frame has " + std::to_string(cloud.grid.pixels() - 1);
   const Ran checked = labels_of("check", {own, "--recording", other});
   EXPECT_EQ(checked.code, 2);

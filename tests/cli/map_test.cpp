@@ -306,7 +306,7 @@ TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {
   const std::string file = (dir / "given.tum").string();
   write_file_text(file, poses);
   const Ran ran = well(map({"--poses", file, "--frames", "::2", "--max-range", "4"}));
-  const std::string notice = "frames have no times: pose i of " + file + " is used for frame i";
+  const std::string notice = "frames have no times: pose i in " + file + " is used for frame i";
   EXPECT_TRUE(has(ran.err, notice));
   EXPECT_TRUE(has(ran.out, "from 6 frames"));
   const auto tracks = read_json<nlohmann::json>(dir / "out" / "tracks.json");
@@ -431,10 +431,10 @@ TEST_F(Map, UnmappableInputIsRejectedInOneLine) {
   write_file_text(dir / "bad.tum", "0 0 0 0 0 0 0 1\n1 2\n");
   expect_refused(map({"--poses", dir / "bad.tum"}), "bad.tum, line 2");
   write_file_text(dir / "later.tum", "9000 0 0 0 0 0 0 1\n");
-  expect_refused(map({"--poses", dir / "later.tum"}), "no pose is near a frame");
+  expect_refused(map({"--poses", dir / "later.tum"}), "no pose is close in time to a frame");
   write_file_text(dir / "ms.tum", "0 0 0 0 0 0 0 1\n1000 0 0 0 0 0 0 1\n");
   expect_refused(map({"--poses", dir / "ms.tum"}),
-                 "ms.tum: frames 0 and 1 are both nearest to the pose at 0 s");
+                 "ms.tum: the pose at 0 s is the nearest one to both frame 0 and frame 1");
   write_file_text(dir / "far.tum", "0 0 0 0 0 0 0 1\n0.1 1e9 0 0 0 0 0 1\n");
   expect_refused(map({"--poses", dir / "far.tum"}), "far.tum, line 2: the pose is 1e+09");
   expect_refused(map({"--window", "-1"}), "--window");

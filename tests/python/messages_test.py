@@ -11,7 +11,7 @@ listed = subprocess.run(
 sections = {part.split("\n")[0]: part for part in listed.split("\n### ")[1:]}
 for section, message in [
     ("Recordings and clouds", "…: the recording contains no camera intrinsics…; …"),
-    ("Recordings and clouds", "cannot be decompressed into the folder for temporary files"),
+    ("Recordings and clouds", "cannot be decompressed into the temporary folder"),
     ("Gravity and cameras", "gravity cannot be estimated from the scene"),
     ("The library, and Python", "depth image: no pixels"),
     ("The library, and Python", "K: …; expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]"),

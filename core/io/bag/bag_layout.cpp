@@ -342,14 +342,14 @@ BagLayout find_bag_layout(const MessageLog& bag, const std::string& wanted) {
     if (image == images.end())
       throw Error(fmt::format(
           "{}: --topic {}: no image or point cloud topic has this name; found {}",
-          bag.path().string(), wanted, topics.empty() ? "none with depth" : listed(topics)));
+          bag.path().string(), wanted, topics.empty() ? "no topics with depth" : listed(topics)));
     layout = sdk_layout(bag, *image);
     if (!layout) layout = ros_layout(bag, images, *image);
   }
   if (!layout) {
-    std::string found = images.empty() ? fmt::format("no image topic with messages among {} topics",
-                                                     bag.topics().size())
-                                       : listed(images);
+    std::string found = images.empty()
+                            ? "no image messages in " + counted(bag.topics().size(), "topic")
+                            : listed(images);
     for (const std::string& warning : bag.warnings()) found += " (" + warning + ")";
     throw Error(bag.path().string() + ": no depth images: found " + found +
                 "; expected /device_*/sensor_*/Depth_*/image/data or */depth/image_rect_raw; "

@@ -83,7 +83,8 @@ void check_depth_encoding(const ros::Image& image,
   const std::string what = fmt::format("{}: depth images on {} are ", bag.string(), topic);
   if (image.lossy)
     throw Error(what +
-                "JPEG, which does not preserve depth; expected compressedDepth, PNG, or zstd");
+                "compressed as JPEG, which does not preserve depth; expected compressedDepth, PNG, "
+                "or zstd");
   if (image.encoding != "mono16" && image.encoding != "16UC1" && image.encoding != kMeters)
     throw Error(fmt::format(
         "{}encoded as \"{}\"; expected mono16 or 16UC1 (16-bit counts), or 32FC1 (meters)", what,
@@ -269,7 +270,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     facts.intrinsics_source = "bag topic " + layout_.depth_info;
   }
   if (info_.rounded) {
-    facts.depth_unit_source = "rounding step of depth in meters (32FC1)";
+    facts.depth_unit_source = "rounding step of the 32FC1 depth in meters";
   } else if (!layout_.depth_unit.empty()) {
     facts.depth_unit_m = parse_message(bag_, bag_.messages(layout_.depth_unit).front(),
                                        layout_.depth_unit, ros::parse_sdk_option);
@@ -279,7 +280,7 @@ void BagRecording::read_camera(const RecordingOptions& options) {
     facts.depth_unit_source = "bag topic " + layout_.depth_metadata;
   } else if (image.depth_unit_m) {
     facts.depth_unit_m = ros::decimal(*image.depth_unit_m);
-    facts.depth_unit_source = "depth messages of the bag";
+    facts.depth_unit_source = "depth messages in the bag";
   } else if (image.encoding == "16UC1") {
     facts.depth_unit_m = 0.001;
     facts.depth_unit_source = "ROS convention (16UC1 is in millimeters)";

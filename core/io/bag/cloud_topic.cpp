@@ -105,9 +105,8 @@ class CloudTopicRecording : public Recording {
       if (field.type < 1 || field.type > std::size(kTypes)) continue;
       const Scalar type = kTypes[field.type - 1];
       if (field.offset + size_of(type) > cloud.point_step)
-        throw Error(
-            fmt::format("{}: field \"{}\" at byte {} extends beyond the {} bytes of a point",
-                        what(i), field.name, field.offset, cloud.point_step));
+        throw Error(fmt::format("{}: field \"{}\" at byte {} extends beyond the {}-byte point",
+                                what(i), field.name, field.offset, cloud.point_step));
       fields.push_back({field.name, type});
       offsets.push_back(field.offset);
     }

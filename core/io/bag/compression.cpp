@@ -230,11 +230,11 @@ void unpack_into(const FileDescriptor& file, const MappedFile& packed) {
     more = ZSTD_isError(result) == 0 && (out.pos > 0 || in.pos > was);
     if (written + out.pos > most)
       throw Error(fmt::format(
-          "{}: decompresses to too much data for a recording; expected at most {} bytes",
+          "{}: the decompressed data is too large for a recording; expected at most {} bytes",
           packed.path().string(), most));
     const auto bytes = std::span(piece).first(out.pos);
     if (const int error = write_fully(file, bytes, static_cast<off_t>(written)); error != 0)
-      throw Error(fmt::format("{}: cannot be decompressed into the folder for temporary files: {}",
+      throw Error(fmt::format("{}: cannot be decompressed into the temporary folder: {}",
                               packed.path().string(), error_text(error)));
     written += out.pos;
   }

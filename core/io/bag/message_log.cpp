@@ -10,6 +10,7 @@
 
 #include "core/io/readers.hpp"
 #include "core/model/error.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::io {
 
@@ -27,8 +28,8 @@ void MessageLog::sort_messages() {
 
 void MessageLog::warn_of_encodings(const std::map<std::string, int>& topics) {
   for (const auto& [encoding, count] : topics)
-    warnings_.push_back(
-        fmt::format("{} topics are skipped: serialized as \"{}\"; expected cdr", count, encoding));
+    warnings_.push_back(fmt::format("skipped {}: serialized as \"{}\"; expected cdr",
+                                    counted(static_cast<std::size_t>(count), "topic"), encoding));
 }
 
 void expect_start(const MappedFile& file,
@@ -38,7 +39,7 @@ void expect_start(const MappedFile& file,
                   const char* shown) {
   const Bytes bytes = file.bytes();
   if (bytes.size() < least_bytes || std::memcmp(bytes.data(), start.data(), start.size()) != 0)
-    throw Error(fmt::format("{}: not {} ({} bytes without {} at the start)", file.path().string(),
+    throw Error(fmt::format("{}: not {} ({} bytes); expected {} at the start", file.path().string(),
                             what, bytes.size(), shown));
   file.expect_hops();
 }
@@ -115,7 +116,7 @@ void ChunkedLog::take(ChunkIndex index) {
 
 Message ChunkedLog::read(const MessageRef& message, std::size_t at_most) const {
   std::string where = fmt::format("byte {}", message.offset);
-  if (message.chunk != kNoChunk) where += fmt::format(" of chunk {}", message.chunk);
+  if (message.chunk != kNoChunk) where += fmt::format(" in chunk {}", message.chunk);
   HeldBytes held;
   Bytes around = file_.bytes();
   if (message.chunk != kNoChunk) {
@@ -182,7 +183,7 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   const std::string name = fmt::format("{}: chunk {}", path_.string(), number);
   if (!chunk.cut) expect_within_read_limit(static_cast<double>(chunk.raw_bytes), name);
   if (chunk.compression == Compression::unknown)
-    throw Error(name + " has an unknown compression; expected none, lz4, bz2, or zstd");
+    throw Error(name + " uses an unknown compression method; expected none, lz4, bz2, or zstd");
   file_.prefetch(chunk.stored);
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
@@ -270,9 +271,9 @@ std::vector<fs::path> files_of_metadata(const fs::path& folder) {
     // Early versions of ros2 bag wrote the folder's name first.
     const fs::path inside = fs::path(name).lexically_normal();
     if (inside.empty() || inside.is_absolute() || *inside.begin() == "..")
-      throw Error(
-          fmt::format("{}: relative_file_paths: '{}'; expected a relative path inside its folder",
-                      metadata.string(), name));
+      throw Error(fmt::format(
+          "{}: relative_file_paths contains '{}'; expected relative paths inside the bag's folder",
+          metadata.string(), name));
     fs::path file = folder / inside.filename();
     if (file.extension() == ".zstd" && fs::exists(fs::path(file).replace_extension()))
       file.replace_extension();  // has been unpacked since

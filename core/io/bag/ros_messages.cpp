@@ -421,7 +421,7 @@ void take_depth(Bytes data, const std::string& encoding, const std::string& what
   constexpr std::size_t kConfig = 12;  // format, and quantization parameters of floats
   if (encoding.starts_with("32FC1"))
     throw Error(what +
-                " is floating-point depth (32FC1), which was rounded during compression; "
+                " contains floating-point depth (32FC1), which was rounded during compression; "
                 "expected 16UC1");
   if (is_png(data)) return take_png(data, what, to);
   if (data.size() < kConfig) throw OutOfBytes{};

@@ -190,10 +190,10 @@ void check_data(Bytes data, const Record& end, McapIndex& index) {
     const Bytes part = data.subspan(start);
     if (crc == 0 || libdeflate_crc32(0, part.data(), part.size()) == crc) return;
   }
-  index.warnings.push_back(
-      fmt::format("the file is damaged: the CRC-32 of its data is not {:08x}; {} messages outside "
-                  "chunks may be wrong",
-                  crc, index.found_messages));
+  index.warnings.push_back(fmt::format(
+      "the file is damaged: its data does not match its CRC-32, {:08x}; {} messages outside "
+      "chunks may be wrong",
+      crc, index.found_messages));
 }
 
 /// `has_end`: whether the file has a footer.

@@ -50,14 +50,15 @@ class MappedSqlite {
 
 MappedSqlite::MappedSqlite(const std::filesystem::path& path) : file_(map_content(path)) {
   expect_start(file_, kDatabaseHeaderBytes, kSqliteMagic, "a SQLite file",
-               "a header \"SQLite format 3\"");
+               "the header \"SQLite format 3\"");
   const Bytes bytes = file_.bytes();
   page_bytes_ = big_endian(bytes.subspan(16, 2));
   if (page_bytes_ == 1) page_bytes_ = 65536;
   if (page_bytes_ < 512 || !std::has_single_bit(page_bytes_))
-    throw Error(fmt::format(
-        "{}: a SQLite file with pages of {} bytes; expected a power of two from 512 to 65536",
-        path.string(), page_bytes_));
+    throw Error(
+        fmt::format("{}: a SQLite file with {}-byte pages; expected a page size that is a power of "
+                    "two from 512 to 65536",
+                    path.string(), page_bytes_));
   const bool is_kept = big_endian(bytes.subspan(24, 4)) == big_endian(bytes.subspan(92, 4));
   if (is_kept) promised_bytes_ = page_bytes_ * big_endian(bytes.subspan(28, 4));
   // A write-ahead log would be a separate file: clear the flag that makes SQLite look for it.
@@ -152,12 +153,11 @@ void SqliteLog::read_topics() {
   int found = 0;
   while (tables.next()) ++found;
   if (found < 2) {
-    throw Error(
-        path_.string() + ": a SQLite file " +
-        (tables.is_whole()
-             ? "without the tables \"topics\" and \"messages\"; expected a recording made by "
-               "ros2 bag or the RealSense SDK"
-             : "with a truncated or damaged list of tables"));
+    throw Error(path_.string() + ": a SQLite file " +
+                (tables.is_whole()
+                     ? "without \"topics\" and \"messages\" tables; expected a recording made by "
+                       "ros2 bag or the RealSense SDK"
+                     : "with a truncated or damaged list of tables"));
   }
   Rows topics(file_.database(), "SELECT id, name, type, serialization_format FROM topics");
   std::map<std::string, int> others;
@@ -180,7 +180,8 @@ void SqliteLog::read_topics() {
 void SqliteLog::read_index() {
   const auto take = [&](const Rows& row) {
     if (++count_ > file_.file().bytes().size() / kLeastRowBytes)
-      throw Error(path_.string() + ": damaged: more messages than bytes");
+      throw Error(path_.string() +
+                  ": damaged: lists more messages than a file of its size can contain");
     const auto topic = topic_of_.find(row.number(1));
     if (topic == topic_of_.end()) return;
     const auto time_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(row.number(2), 0));
@@ -202,7 +203,7 @@ void SqliteLog::read_index() {
     }
     if (!file_.is_cut()) damage_ += "; part of the messages table is damaged";
     if (first != std::numeric_limits<std::int64_t>::max() && last >= 0) {
-      damage_ += ", " + std::to_string(first - last - 1) + " messages are lost";
+      damage_ += "; " + std::to_string(first - last - 1) + " messages are lost";
     }
   }
   sort_messages();

@@ -109,7 +109,7 @@ void take_instances(PointSet& set, const CloudExtras& extras, const std::string&
   const std::vector<double>& values = extras.values[0];
   if (values.size() != set.points.size())
     throw Error(
-        fmt::format("{}: points have no field '{}'; expected a field with plane ids", what, field));
+        fmt::format("{}: points have no '{}' field; expected a field with plane ids", what, field));
   set.instance.clear();
   for (const double value : values) {
     if (!(value == std::floor(value) && std::abs(value) <= 1e9))

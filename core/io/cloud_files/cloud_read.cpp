@@ -82,7 +82,7 @@ class HeaderLines {
     const std::string_view text = text_of(file_.subspan(position_));
     const std::size_t end = text.substr(0, kMaxHeaderBytes).find('\n');
     if (end == std::string_view::npos || position_ > kMaxHeaderBytes)
-      throw Error(fmt::format("{}: the header of the cloud file is unterminated ({} bytes)",
+      throw Error(fmt::format("{}: the header of this {}-byte point cloud is not terminated",
                               path_.string(), file_.size()));
     position_ += end + 1;
     std::string_view line = text.substr(0, end);
@@ -180,7 +180,7 @@ PlyHeader ply_header(const fs::path& path, Bytes file) {
         lines.fail(fmt::format("unknown format \"{}\"", words[1]));
     } else if (words[0] == "element" && words.size() == 3) {
       const auto count = parse_count(words[2]);
-      if (!count) lines.fail(fmt::format("\"{}\" is not a number of elements", words[2]));
+      if (!count) lines.fail(fmt::format("\"{}\" is not an element count", words[2]));
       header.elements.push_back({std::string(words[1]), *count, {}});
     } else if (words[0] == "property" && !header.elements.empty()) {
       header.elements.back().properties.push_back(property_of(words, lines));
@@ -312,12 +312,13 @@ PcdHeader pcd_header(const fs::path& path, Bytes file) {
     header.point_bytes += *count * size_of(*type);
   }
   if (points && (width || height) && *points != width.value_or(1) * height.value_or(1))
-    lines.fail("POINTS in its header is not WIDTH times HEIGHT");
+    lines.fail("POINTS in its header does not equal WIDTH times HEIGHT");
   header.points = points.value_or(width.value_or(0) * height.value_or(1));
   if (header.points > 0xffffffffu) lines.fail(kBadPoints);
   header.data = all["DATA"][0];
   if (header.data != "ascii" && header.data != "binary" && header.data != "binary_compressed")
-    lines.fail(fmt::format("unknown DATA \"{}\"", header.data));
+    lines.fail(fmt::format("unknown DATA \"{}\"; expected ascii, binary, or binary_compressed",
+                           header.data));
   header.bytes = lines.position();
   return header;
 }
@@ -339,14 +340,13 @@ void check_promise(const fs::path& path, const PcdHeader& header, Bytes body) {
                                         : CompressedSizes{0xffffffffu, 0};
     // LZF compresses at most 264 bytes into 3.
     if (sizes.raw == least && sizes.stored <= body.size() - 8 && least / 88 <= sizes.stored) return;
-    throw Error(
-        fmt::format("{}: its header declares {} points of {} bytes, but its compressed block of {} "
-                    "bytes is too small",
-                    path.string(), header.points, header.point_bytes, body.size()));
+    throw Error(fmt::format(
+        "{}: its header declares {} {}-byte points, but its {}-byte compressed block is too small",
+        path.string(), header.points, header.point_bytes, body.size()));
   }
   if (least > body.size())
     throw Error(fmt::format(
-        "{}: its header declares {} points in at least {} bytes, but only {} bytes follow",
+        "{}: its header declares {} points, which need at least {} bytes, but only {} bytes follow",
         path.string(), header.points, least, body.size()));
 }
 

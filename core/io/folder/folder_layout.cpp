@@ -304,7 +304,7 @@ void read_list(const fs::path& list,
   if (ambiguous)
     listed.warnings.push_back(list.string() +
                               ": ignored, because depth and color images have the same names; "
-                              "expected names that include their folders");
+                              "expected names that include the folder");
   if (found.empty() || ambiguous) return;
   if (damage) throw Error(*damage);
   for (const auto& [image, time] : found)
@@ -328,11 +328,11 @@ ListedTimes listed_times(const fs::path& folder,
                          const std::vector<fs::path>& color) {
   ListedTimes listed;
   if (const fs::path list = file_beside_images(folder, "depth.txt"); !list.empty())
-    read_list(list, 1, "a time and a depth image", {&depth}, listed);
+    read_list(list, 1, "a time and the name of a depth image", {&depth}, listed);
   if (const fs::path list = file_beside_images(folder, "rgb.txt"); !list.empty())
-    read_list(list, 1, "a time and a color image", {&color}, listed);
+    read_list(list, 1, "a time and the name of a color image", {&color}, listed);
   if (const fs::path list = file_beside_images(folder, "associations.txt"); !list.empty())
-    read_list(list, 2, "two pairs of a time and an image", {&depth, &color}, listed);
+    read_list(list, 2, "two pairs of a time and an image name", {&depth, &color}, listed);
   return listed;
 }
 

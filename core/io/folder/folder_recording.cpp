@@ -45,10 +45,11 @@ PngInfo dump_info(const fs::path& path, const Intrinsics& known) {
   if (fits(known.width, known.height)) return {known.width, known.height, 1, 16};
   for (const auto& [width, height] : kModes)
     if (known.width == 0 && fits(width, height)) return {width, height, 1, 16};
-  throw Error(fmt::format("{}: {} bytes; expected 2 bytes per pixel of {}", path.string(), bytes,
-                          known.width > 0 ? fmt::format("{}x{}", known.width, known.height)
-                                          : "a RealSense depth mode, or a calibration file with "
-                                            "width and height"));
+  throw Error(fmt::format(
+      "{}: {} bytes; expected {}", path.string(), bytes,
+      known.width > 0 ? fmt::format("{}x{} pixels at 2 bytes each", known.width, known.height)
+                      : "the size of a RealSense depth mode at 2 bytes per pixel, or a "
+                        "calibration file with width and height"));
 }
 
 Image8 read_picture(const fs::path& path) {
@@ -188,9 +189,9 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
   const PngInfo image = is_dump ? dump_info(path, known) : png_info(path);
   if (image.channels != 1 || image.bit_depth != 16)
     throw Error(
-        fmt::format("{}: PNG with {} of {} bits; expected depth in 1 channel "
-                    "of 16 bits (a colorized depth image contains no distances{})",
-                    path.string(), counted(image.channels, "channel"), image.bit_depth,
+        fmt::format("{}: {}-bit PNG with {}; expected depth in a 16-bit PNG with one channel (a "
+                    "colorized depth image contains no distances{})",
+                    path.string(), image.bit_depth, counted(image.channels, "channel"),
                     lower_case(path.stem().string()).find("_depth_") == std::string::npos
                         ? ""
                         : "; rs-convert writes depth with -r"));
@@ -200,7 +201,7 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
     info_.height = image.height;
   }
   if (image.width != info_.width || image.height != info_.height)
-    throw Error(fmt::format("{}: depth image of {}x{}; expected {}x{}, like the first one",
+    throw Error(fmt::format("{}: the depth image is {}x{}; expected {}x{}, like the first one",
                             path.string(), image.width, image.height, info_.width, info_.height));
 }
 
@@ -268,7 +269,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
   if (sidecar_.color_aligned && *sidecar_.color_aligned) {
     if (!same_size)
       throw Error(fmt::format(
-          "{}: color image of {}x{}; expected {}x{}, because {} declares it aligned with depth",
+          "{}: the color image is {}x{}; expected {}x{}, because {} declares it aligned with depth",
           file.string(), color.width, color.height, info_.width, info_.height,
           sidecar_.path.filename().string()));
     color_aligned_ = true;
@@ -284,7 +285,7 @@ void FolderRecording::settle_color(const CameraFiles& camera) {
     color_aligned_ = true;
     info_.color_note = "assumed aligned (same size, one set of intrinsics)";
   } else {
-    info_.color_note = fmt::format("display only: color of {}x{} without extrinsics to depth",
+    info_.color_note = fmt::format("display only: {}x{} color without depth-to-color extrinsics",
                                    color.width, color.height);
   }
   if (color_aligned_) color_intrinsics_ = info_.intrinsics;
@@ -421,9 +422,10 @@ class RawRecording : public Recording {
     const std::uintmax_t bytes = fs::file_size(file.raw, error);
     const bool sane = width >= 1 && height >= 1 && width <= 1 << 15 && height <= 1 << 15;
     if (error || !sane || static_cast<double>(bytes) != 2 * width * height)
-      throw Error(fmt::format("{}: {} bytes; expected {}x{} pixels of 2 bytes, according to {}",
-                              file.raw.string(), bytes, metadata.text("Resolution x"),
-                              metadata.text("Resolution y"), file.csv.filename().string()));
+      throw Error(
+          fmt::format("{}: {} bytes; expected {}x{} pixels at 2 bytes each, according to {}",
+                      file.raw.string(), bytes, metadata.text("Resolution x"),
+                      metadata.text("Resolution y"), file.csv.filename().string()));
     if (info_.width == 0) {
       info_.width = static_cast<int>(width);
       info_.height = static_cast<int>(height);

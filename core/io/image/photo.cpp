@@ -121,8 +121,8 @@ std::vector<unsigned char> encode_webp(const Image8& image, float quality) {
          WebPEncode(&encoder.config, &picture);
   if (!fine && picture.error_code == VP8_ENC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
   if (!fine)
-    throw Error(fmt::format("a picture of {}x{} pixels cannot be written as WebP (error {})",
-                            image.width, image.height, static_cast<int>(picture.error_code)));
+    throw Error(fmt::format("a {}x{} picture cannot be written as WebP (error {})", image.width,
+                            image.height, static_cast<int>(picture.error_code)));
   return {encoder.writer.mem, encoder.writer.mem + encoder.writer.size};
 }
 

@@ -90,7 +90,8 @@ void read_rows(Decoder& decoder) {
 void require_signature(std::span<const unsigned char> bytes, const std::filesystem::path& path) {
   if (bytes.size() >= kSignatureBytes && png_sig_cmp(bytes.data(), 0, kSignatureBytes) == 0) return;
   throw Error(path.string() + ": not a PNG (" +
-              (bytes.empty() ? "an empty file" : "it does not start with the PNG signature") + ")");
+              (bytes.empty() ? "the file is empty" : "it does not start with the PNG signature") +
+              ")");
 }
 
 int channels_of(int color_type) {
@@ -174,8 +175,8 @@ Image<T> decode_grey(std::span<const unsigned char> bytes, const std::filesystem
   const PngInfo info = open(decoder, bytes, path);
   const int bits = 8 * sizeof(T);
   if (info.channels != 1 || info.bit_depth != bits)
-    throw Error(fmt::format("{}: PNG with {} of {} bits; expected 1 channel of {} bits",
-                            path.string(), counted(info.channels, "channel"), info.bit_depth,
+    throw Error(fmt::format("{}: {}-bit PNG with {}; expected a {}-bit PNG with one channel",
+                            path.string(), info.bit_depth, counted(info.channels, "channel"),
                             bits));
   return decode<T>(decoder, info, bytes, 1, path);
 }
@@ -197,8 +198,8 @@ PngInfo png_info(std::span<const unsigned char> head, const std::string& name) {
   }
   const std::uint32_t width = number_32(&head[16]), height = number_32(&head[20]);
   if (width == 0 || height == 0 || width > kMaxSide || height > kMaxSide)
-    throw Error(fmt::format("{}: PNG of {}x{} pixels; expected 1 to {} per side", name, width,
-                            height, kMaxSide));
+    throw Error(fmt::format("{}: {}x{} PNG; expected 1 to {} pixels per side", name, width, height,
+                            kMaxSide));
   return {static_cast<int>(width), static_cast<int>(height), channels_of(head[25]), head[24]};
 }
 

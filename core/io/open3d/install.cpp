@@ -108,8 +108,7 @@ void check_pts_count(const fs::path& path) {
   constexpr double kFewestBytes = 6;  // "0 0 0\n"
   const std::uintmax_t bytes = fs::file_size(path);
   if (!file || !(count >= 0 && count * kFewestBytes <= static_cast<double>(bytes)))
-    throw Error(
-        fmt::format("its first line is not a number of points that fits in {} bytes", bytes));
+    throw Error(fmt::format("its first line is not a valid point count for a {}-byte file", bytes));
 }
 
 double area_m2(const TriangleMesh& mesh, const Eigen::Vector3i& triangle) {
@@ -147,7 +146,7 @@ PointCloud sampled(const TriangleMesh& mesh, double surface_m2) {
 
 /// .xyz: x y z on every line. .pts: a count, then x y z, intensity and color on every line.
 PointSet read_points(const fs::path& path, io::CloudExtras*) {
-  constexpr const char* kExpected = "a text file of points, x y z on each line";
+  constexpr const char* kExpected = "a text file of points, with x y z on each line";
   PointCloud cloud;
   read_or_throw(path, kExpected, [&] {
     if (io::extension(path) == ".pts") check_pts_count(path);

@@ -187,7 +187,9 @@ class CocoReader {
   void read_annotation(const JsonPlace& annotation) {
     const auto label = label_of_category_.find(id_of(annotation, "category_id"));
     if (label == label_of_category_.end())
-      annotation.at("category_id").fail_kind("the id of a category");
+      annotation.at("category_id")
+          .fail(
+              fmt::format("is {}, but no category has this id", id_of(annotation, "category_id")));
     const int id = plane_id(annotation);
     for (const MaskRun& run : runs_of(annotation.at("segmentation"))) {
       for (std::uint64_t at = run.first; at < run.first + run.count; ++at) {
@@ -306,7 +308,9 @@ CocoFile::CocoFile(io::Bytes file, const std::string& where) {
     std::size_t at = 0;
     root.at("annotations").each([&](const JsonPlace& annotation) {
       const auto image = image_of_id.find(id_of(annotation, "image_id"));
-      if (image == image_of_id.end()) annotation.at("image_id").fail_kind("the id of an image");
+      if (image == image_of_id.end())
+        annotation.at("image_id")
+            .fail(fmt::format("is {}, but no image has this id", id_of(annotation, "image_id")));
       parsed->annotations[image->second].push_back(at++);
     });
   });

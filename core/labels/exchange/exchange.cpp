@@ -100,8 +100,7 @@ void check_needs(const LabeledPoints& points, const Format& format, const fs::pa
   const char* lacks = nullptr;
   if (format.needs == Needs::coordinates && points.points.size() != points.size())
     lacks = "coordinates";
-  if (format.needs == Needs::pixels && !has_pixels)
-    lacks = "pixels and the size of the depth image";
+  if (format.needs == Needs::pixels && !has_pixels) lacks = "pixels and the depth image's size";
   if (lacks)
     throw Error(fmt::format("{}: format {} requires {}, which these labels do not contain",
                             stem.string(), format.name, lacks));
@@ -220,8 +219,8 @@ std::vector<std::uint32_t> pixels_by_name(const LabeledPoints& points,
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const DepthPixel pixel = points.pixel[i];
     if (pixel.u >= grid.width || pixel.v >= grid.height)
-      throw Error(fmt::format("{}: pixel ({}, {}) is outside the frame's depth image of {}x{}",
-                              where, pixel.u, pixel.v, grid.width, grid.height));
+      throw Error(fmt::format("{}: pixel ({}, {}) is outside the frame's {}x{} depth image", where,
+                              pixel.u, pixel.v, grid.width, grid.height));
     const auto index = static_cast<std::uint32_t>(pixel.v * grid.width + pixel.u);
     if (taken[index])
       throw Error(fmt::format("{}: pixel ({}, {}) appears twice", where, pixel.u, pixel.v));
@@ -239,9 +238,9 @@ std::vector<std::uint32_t> pixels_in_raster_order(const LabeledPoints& points,
     throw Error(fmt::format("{}: labels for {} points, but the frame's cloud has {}", where,
                             points.size(), grid.pixels()));
   if (!all && points.size() != grid.measured_count)
-    throw Error(
-        fmt::format("{}: {} points; expected {}, one per pixel with depth, or {}, one per pixel",
-                    where, points.size(), grid.measured_count, grid.pixels()));
+    throw Error(fmt::format(
+        "{}: labels for {} points; expected {} (one per pixel with depth) or {} (one per pixel)",
+        where, points.size(), grid.measured_count, grid.pixels()));
   std::vector<std::uint32_t> indices;
   indices.reserve(points.size());
   for (std::uint32_t i = 0; i < grid.pixels(); ++i)
@@ -262,7 +261,7 @@ void check_points(const LabeledPoints& points,
     if (std::abs(found - expected) <= std::max(kSameDistance_m, kFloatStep * expected)) continue;
     throw Error(
         fmt::format("{}: point {} is {:.3f} m from the sensor, but {:.3f} m in the frame; these "
-                    "are labels of a different frame",
+                    "labels are for a different frame",
                     where, i, found, expected));
   }
 }

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "core/io/cloud_files/cloud_file.hpp"
+#include "core/model/text.hpp"
 #include "core/planes/cloud/cloud.hpp"
 
 namespace planescope::labels {
@@ -50,8 +51,8 @@ FileBytes evops_bytes(const LabeledPoints& points) {
 LabeledPoints parse_evops(io::Bytes file, const std::string& where) {
   const NpyArray array = parse_npy(file, where);
   if (array.shape.size() != 1)
-    throw Error(where + ": an array with " + std::to_string(array.shape.size()) +
-                " dimensions; expected one plane id per point");
+    throw Error(where + ": an array with " + counted(array.shape.size(), "dimension") +
+                "; expected one plane id per point");
   check_count(array.size(), where);
   LabeledPoints points;
   points.instance = instances_of(array.values(), where);
@@ -98,7 +99,7 @@ LabeledPoints read_labeled_cloud(const std::filesystem::path& path) {
   PointSet set = io::read_cloud_file(path, &extras);
   const std::string where = path.string();
   if (extras.values[1].empty() && !set.points.empty())
-    throw Error(where + ": points have no field \"instance\"; expected a field with plane ids");
+    throw Error(where + ": points have no \"instance\" field; expected a field with plane ids");
   LabeledPoints points;
   points.label = classes_of(extras.values[0], where);
   points.instance = instances_of(extras.values[1], where);
@@ -186,7 +187,7 @@ LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& whe
 
 FileBytes voxel_bytes(const LabeledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
-    throw Error("voxel size " + std::to_string(voxel_size_m) + "; expected more than 0 m");
+    throw Error("voxel size is " + std::to_string(voxel_size_m) + " m; expected more than 0 m");
   planes::Cloud cloud;
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();

@@ -9,6 +9,7 @@
 
 #include "core/labels/exchange/formats.hpp"
 #include "core/model/file_bytes.hpp"
+#include "core/model/text.hpp"
 
 namespace planescope::labels {
 namespace {
@@ -38,7 +39,7 @@ class NpyHeader {
         array.shape = shape();
         has_shape = true;
       } else {
-        fail("has the unknown entry \"" + printable(key) + "\"");
+        fail("has an unknown entry, \"" + printable(key) + "\"");
       }
       if (!take(',')) {
         expect('}');
@@ -268,8 +269,7 @@ std::vector<double> read_array(zip_t* archive,
       columns == 1 ? array.shape.size() == 1 : array.shape.size() == 2 && array.shape[1] == columns;
   if (!fits)
     throw Error(
-        array_name + ": an array with " + std::to_string(array.shape.size()) +
-        " dimensions; expected " +
+        array_name + ": an array with " + counted(array.shape.size(), "dimension") + "; expected " +
         (columns == 1 ? "one value per point" : std::to_string(columns) + " values per point"));
   check_count(array.shape[0], array_name);
   expect_within_read_limit(static_cast<double>(array.size()) * sizeof(double), array_name);
@@ -352,7 +352,7 @@ LabeledPoints parse_npz(io::Bytes file, const std::string& where) {
   LabeledPoints points;
   const auto instance = read_array(archive.get(), "instance", 1, where);
   if (instance.empty() && zip_name_locate(archive.get(), "instance.npy", 0) < 0)
-    throw Error(where + ": no array \"instance\"; expected an array of plane ids");
+    throw Error(where + ": no \"instance\" array; expected an array of plane ids");
   points.instance = instances_of(instance, where + ": instance");
   const std::size_t count = points.size();
   const auto read = [&](const char* name, std::uint64_t columns) {

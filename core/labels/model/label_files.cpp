@@ -50,12 +50,12 @@ void check_frame(const FrameLabels& labels,
   const auto points = static_cast<std::size_t>(labels.intrinsics.width);
   if (labels.is_cloud() && expected.points > 0 && points != expected.points)
     throw Error(
-        fmt::format("{}: created for a cloud of {} points, but this recording's frame has {}",
+        fmt::format("{}: created for a cloud with {} points, but this recording's frame has {}",
                     where, points, expected.points));
   if (!expected.sha256.empty() && labels.depth_sha256 != expected.sha256)
     throw Error(fmt::format(
         "{}: created for {} with SHA-256 {:.12}, but this recording's frame has {:.12}", where,
-        labels.is_cloud() ? fmt::format("a cloud of {} points", points) : "a depth image",
+        labels.is_cloud() ? fmt::format("a cloud with {} points", points) : "a depth image",
         labels.depth_sha256, expected.sha256));
 }
 
@@ -104,11 +104,13 @@ void check_review(const FrameLabels& labels, const std::string& where) {
   const std::size_t pixels = labels.plane.pixels();
   for (const ReviewNote& note : labels.review) {
     if (note.pixel >= pixels || note.pixels > pixels)
-      throw Error(fmt::format("{}: a review note about {} pixels at pixel {}, but the image has {}",
-                              where, note.pixels, note.pixel, pixels));
+      throw Error(
+          fmt::format("{}: a review note covers {} pixels at pixel {}, but the image has {}", where,
+                      note.pixels, note.pixel, pixels));
     if (note.label_plane < 0 || note.other_plane < 0)
-      throw Error(fmt::format("{}: a review note about planes {} and {}; expected ids of 0 or more",
-                              where, note.label_plane, note.other_plane));
+      throw Error(
+          fmt::format("{}: a review note refers to planes {} and {}; expected ids of 0 or more",
+                      where, note.label_plane, note.other_plane));
   }
 }
 
@@ -313,9 +315,10 @@ LabelsOfFrames labels_of_frames(const fs::path& dir,
   const auto text = [](const std::vector<std::string>& all_of) {
     return all_of[0] + (all_of.size() > 1 ? fmt::format(" and {} more", all_of.size() - 1) : "");
   };
-  labels.warning = fmt::format("{}: labels matched by pixels, as frames were added or removed: {}",
-                               dir.string(), text(moved));
-  if (!lost.empty()) labels.warning += "; no frame has those of " + text(lost);
+  labels.warning = fmt::format(
+      "{}: labels were matched to frames by their pixels, because frames were added or removed: {}",
+      dir.string(), text(moved));
+  if (!lost.empty()) labels.warning += "; no frame matches " + text(lost);
   return labels;
 }
 
@@ -423,7 +426,8 @@ FrameLabels parse_label_json(const std::string& text, int frame_index, const std
   return read_place(where, parse_json<Json>(text, where), [&](const JsonPlace& place) {
     place.schema({kSchema});
     if (const int frame = place.at("frame").whole(0); frame != frame_index)
-      throw Error(fmt::format("labels for frame {}; expected frame {}", frame, frame_index));
+      throw Error(
+          fmt::format("labels for frame {}; expected labels for frame {}", frame, frame_index));
     FrameLabels labels;
     FieldReader fields(place);
     label_fields(fields, labels);

@@ -103,7 +103,7 @@ bool has_header(const fs::path& path, std::span<const unsigned char> bytes) {
   if (text.size() == kHeader.size() && text.starts_with(kAnyVersion))
     throw Error(path.string() + ": journal version " +
                 std::string(text.substr(kAnyVersion.size(), 1)) +
-                "; expected 1 (written by a later version of planescope)");
+                ", written by a later version of planescope; expected 1");
   return false;
 }
 

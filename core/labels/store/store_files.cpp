@@ -19,7 +19,7 @@ void require_same_depth(const FrameLabels& labels,
                         const FrameLabels& expected,
                         const std::string& where) {
   if (labels.is_cloud() && expected.is_cloud() && labels.plane.width != expected.plane.width)
-    throw Error(fmt::format("{}: labels for a cloud of {} points, but the frame has {}", where,
+    throw Error(fmt::format("{}: labels for a cloud with {} points, but the frame has {}", where,
                             labels.plane.width, expected.plane.width));
   if (labels.depth_sha256 != expected.depth_sha256)
     throw Error(fmt::format(
@@ -126,7 +126,7 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
   try {
     files = read_frame_labels(dir_, frame, "");
   } catch (const Error& error) {
-    notice(std::string(error.what()) + ": the journal's labels of " + name_of(frame) +
+    notice(std::string(error.what()) + ": the journal's labels for " + name_of(frame) +
            " are kept; saving renames the files to *.outside-N");
     return false;
   }
@@ -139,8 +139,8 @@ bool LabelStore::take_over(int frame, const LabelDigests& digests) {
   }
   if (!edit.empty()) {
     commit(edit);
-    notice(dir_.string() + ": the label files of " + name_of(frame) +
-           " were changed outside planescope; they are loaded, and undo reverts this");
+    notice(dir_.string() + ": the label files for " + name_of(frame) +
+           " were changed outside planescope and have been reloaded; undo reverts this");
   }
   auto entries = base_entries(frame);
   entries.push_back(saving(frame, digests));

@@ -80,11 +80,12 @@ void check_layout(std::vector<Entry>& entries, std::uint64_t data_bytes, const f
   for (const Entry& entry : entries) {
     const std::string what = path.string() + ": tensor " + shown(entry.name);
     if (entry.end > data_bytes)
-      throw Error(fmt::format("{} ends at byte {} of {}: the file is truncated", what, entry.end,
-                              data_bytes));
-    if (entry.begin != filled)
       throw Error(
-          fmt::format("{} begins at byte {} of the data; expected {}", what, entry.begin, filled));
+          fmt::format("{} ends at byte {}, but the data has {} bytes: the file is truncated", what,
+                      entry.end, data_bytes));
+    if (entry.begin != filled)
+      throw Error(fmt::format("{} begins at byte {} of the data; expected byte {}", what,
+                              entry.begin, filled));
     if (bytes_of(entry.shape, data_bytes) != entry.end - entry.begin)
       throw Error(fmt::format("{} has {} bytes, which do not match shape [{}] in F32", what,
                               entry.end - entry.begin, fmt::join(entry.shape, ", ")));
@@ -104,8 +105,8 @@ std::string_view header_of(std::span<const unsigned char> bytes, const fs::path&
   const std::uint64_t most = std::min<std::uint64_t>(bytes.size() - kLengthBytes, kMaxHeaderBytes);
   if (length > most)
     throw Error(
-        fmt::format("{}: header of {} bytes; expected at most {} (truncated, or not a safetensors "
-                    "file)",
+        fmt::format("{}: {}-byte header; expected at most {} bytes (the file is truncated or not a "
+                    "safetensors file)",
                     path.string(), length, most));
   return {reinterpret_cast<const char*>(bytes.data()) + kLengthBytes, length};
 }
@@ -318,8 +319,9 @@ std::vector<float> extract(TensorFile& file, const TensorSpec& spec, const std::
   if (!std::equal(
           spec.shape.begin(), spec.shape.end(), found->shape.begin(), found->shape.end(),
           [](int expected, std::size_t is) { return static_cast<std::size_t>(expected) == is; }))
-    throw Error(fmt::format("{}: tensor {} is [{}], but its configuration requires [{}]", what,
-                            spec.name, fmt::join(found->shape, ", "), fmt::join(spec.shape, ", ")));
+    throw Error(fmt::format("{}: tensor {} has shape [{}], but its configuration requires [{}]",
+                            what, spec.name, fmt::join(found->shape, ", "),
+                            fmt::join(spec.shape, ", ")));
   for (std::size_t i = 0; i < found->values.size(); ++i)
     if (!std::isfinite(found->values[i]))
       throw Error(fmt::format("{}: tensor {}: value {} is {}; expected finite numbers", what,

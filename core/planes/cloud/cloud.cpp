@@ -238,10 +238,10 @@ Cloud cloud_of_points(const Frame& frame, const Gravity& gravity, const CloudOpt
   if (cloud.cube.edge_m < extent_m) cloud.cube = make_cube(Vec3d::Zero(), extent_m, options);
   crop(cloud, within_range);
   if (cloud.counts.outside_cube > cloud.counts.kept)
-    throw Error(fmt::format(
-        "frame {}: {} of {} points are outside the largest supported cube, {:.1f} m around their "
-        "center; expected coordinates in meters",
-        frame.name, cloud.counts.outside_cube, within.size(), cloud.cube.edge_m));
+    throw Error(
+        fmt::format("frame {}: {} of {} points are outside the largest supported cube, which has "
+                    "{:.1f} m edges and surrounds their center; expected coordinates in meters",
+                    frame.name, cloud.counts.outside_cube, within.size(), cloud.cube.edge_m));
   return cloud;
 }
 

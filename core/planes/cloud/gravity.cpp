@@ -208,7 +208,7 @@ std::string doubt_in_gravity(const Frame& frame,
   if (off_deg <= kDoubt_deg) return "";
   const Vec3d& d = seen->direction;
   return fmt::format(
-      "gravity {:.3f},{:.3f},{:.3f} contradicts the scene by {}: the scene suggests "
+      "gravity {:.3f},{:.3f},{:.3f} disagrees with the scene by {}: the scene suggests "
       "{:.3f},{:.3f},{:.3f} "
       "({}, confidence {:.2f})",
       direction.x(), direction.y(), direction.z(), whole_degrees(off_deg), d.x(), d.y(), d.z(),

@@ -213,8 +213,8 @@ VoxelCloud voxelize(const Cloud& cloud, double voxel_size_m) {
                 "; expected 0 (no voxel grid) or a size in meters");
   if (voxel_size_m == 0) return every_point_its_own(cloud);
   if (cloud.cube.edge_m / voxel_size_m >= (1 << kBitsPerAxis) - 1)
-    throw Error("voxel_size_m is " + std::to_string(voxel_size_m) + ", too small for a cube of " +
-                std::to_string(cloud.cube.edge_m) + " m; expected at least " +
+    throw Error("voxel_size_m is " + std::to_string(voxel_size_m) + ", too small for a " +
+                std::to_string(cloud.cube.edge_m) + " m cube; expected at least " +
                 std::to_string(cloud.cube.edge_m / (1 << (kBitsPerAxis - 1))));
 
   const Grid grid = make_grid(cloud.cube, voxel_size_m);

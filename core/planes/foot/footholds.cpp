@@ -281,13 +281,13 @@ std::string reasons_against(Label label,
   if (space.area.empty())
     reasons.emplace_back("no room for the foot");
   else if (space.area_m2 < limits.min_area_m2)
-    reasons.push_back(fmt::format("room of {:.0f} cm2 for the foot's center, limit {:g}",
+    reasons.push_back(fmt::format("{:.0f} cm2 for the foot's center, limit {:g}",
                                   space.area_m2 * 1e4, limits.min_area_m2 * 1e4));
   if (surface.rough_rms_m > limits.max_rough_m)
     reasons.push_back(fmt::format("{:.3g} mm rough, limit {:g}", surface.rough_rms_m * 1e3,
                                   limits.max_rough_m * 1e3));
   if (surface.support < limits.min_support)
-    reasons.push_back(fmt::format("{:.0f} % of it measured, limit {:g}", surface.support * 100,
+    reasons.push_back(fmt::format("{:.0f} % measured, limit {:g}", surface.support * 100,
                                   limits.min_support * 100));
   return fmt::format("{}", fmt::join(reasons, "; "));
 }

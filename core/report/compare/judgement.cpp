@@ -43,8 +43,9 @@ std::vector<std::string> added_frames(const ReportComparison& comparison) {
   std::vector<std::string> lines;
   for (const Count& count : counts)
     if (count.added > 0)
-      lines.push_back(fmt::format("{}: {} not in the baseline", count.recording,
-                                  count.added == count.all ? "is" : counted(count.added, "frame")));
+      lines.push_back(
+          fmt::format("{}: {}not in the baseline", count.recording,
+                      count.added == count.all ? "" : counted(count.added, "frame") + " "));
   return lines;
 }
 
@@ -184,7 +185,7 @@ void ReportGuard::check_merge(const Report& report) const {
         std::ranges::find(baseline_->recordings, recording.name, &ReportRecording::name);
     if (before != baseline_->recordings.end() && recording.frames_asked < recording.frame_count &&
         std::cmp_less(recording.frames_asked, before->frames.size()))
-      refuse(fmt::format("has {} of {}, but this report has {}",
+      refuse(fmt::format("has {} from {}, but this report has {}",
                          counted(before->frames.size(), "frame"), recording.name,
                          recording.frames_asked));
   }

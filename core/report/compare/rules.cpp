@@ -160,7 +160,8 @@ Rule rule_of(const JsonPlace& place) {
       place.at("at_most_percent").fail_kind("at_most, because " + rule.metric + " is not a count");
   }
   if (rule.at_least > rule.at_most)
-    place.fail_kind(fmt::format("at_least ({}) <= at_most ({})", rule.at_least, rule.at_most));
+    place.fail(fmt::format("has at_least {} and at_most {}; expected at_least <= at_most",
+                           rule.at_least, rule.at_most));
   if (find_metric(rule.metric).need != RuleNeed::timing) return rule;
   if (!place.has("level")) rule.level = RuleLevel::warn;
   if (rule.level == RuleLevel::error)

@@ -266,8 +266,9 @@ std::string stability_text(const Stability& s) {
   if (std::isfinite(s.breaks))
     add(fmt::format("{:.1f} breaks and {:.1f} swaps per 100 frames", s.breaks, s.swaps));
   if (s.still_pairs > 0)
-    add(fmt::format("while still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
-                    s.normal_jitter_deg, 1000 * s.offset_jitter_m));
+    add(fmt::format(
+        "while the camera is still, normals jitter by {:.2f} deg and offsets by {:.1f} mm",
+        s.normal_jitter_deg, 1000 * s.offset_jitter_m));
   if (s.returns > 0)
     add(fmt::format("{} returned {:.1f} mm off", counted(s.returns, "plane"), 1000 * s.drift_m));
   return text;
@@ -399,7 +400,7 @@ std::shared_ptr<const io::Recording> with_map(std::shared_ptr<const io::Recordin
 const std::vector<int>& tracks_of(const KnownMap& map, int frame, std::size_t planes) {
   const std::vector<int>& tracks = map.planes_of.at(frame).tracks;
   if (tracks.size() != planes)
-    throw Error(fmt::format("frame {}: has {}; expected the {} of {}", frame,
+    throw Error(fmt::format("frame {}: has {}; expected the {} in {}", frame,
                             counted(planes, "plane"), tracks.size(),
                             (map.dir / "tracks.json").string()));
   return tracks;

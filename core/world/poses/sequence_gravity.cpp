@@ -122,7 +122,7 @@ Gravity gravity_at(const Pose& T_world_camera, const SharedGravity& shared) {
   gravity.direction = T_world_camera.linear().transpose() * -Vec3d::UnitZ();
   gravity.source = shared.source;
   gravity.confidence = 1;
-  gravity.note = fmt::format("from the camera's pose and {}, which spread by {:.2f} degrees",
+  gravity.note = fmt::format("from the camera's pose and {} with a spread of {:.2f} degrees",
                              counted(shared.samples - shared.strays, "frame"), shared.spread_deg);
   return gravity;
 }
@@ -245,9 +245,9 @@ struct SequenceGravity::Cache {
     else if (std::abs(to - from) > kMostFramesCarried || !follow(from, to, result.direction))
       return std::nullopt;
     result.direction.normalize();
-    result.note = fmt::format("carried from frame {} by {} over {}, where it was {}", from,
-                              by_poses ? "the recording's poses" : "odometry",
-                              counted(std::abs(to - from), "frame"), gravity.note);
+    result.note = fmt::format("carried from frame {}, where it was {}, by {} over {}", from,
+                              gravity.note, by_poses ? "the recording's poses" : "odometry",
+                              counted(std::abs(to - from), "frame"));
     return result;
   }
 

@@ -25,10 +25,9 @@ constexpr double kNoTime = std::numeric_limits<double>::quiet_NaN();
 constexpr double kUnit = 1e-3;  // tolerance for rotations (matrix or quaternion)
 constexpr int kMostSegments = 100'000;
 
-constexpr const char* kTumLine =
-    "the eight numbers of a TUM trajectory, timestamp tx ty tz qx qy qz qw";
-constexpr const char* kKittiLine = "the twelve numbers of a KITTI pose, a matrix of 3x4";
-constexpr const char* kLogHead = "the three integers at the start of a pose in Open3D's .log";
+constexpr const char* kTumLine = "the eight numbers of a TUM pose, timestamp tx ty tz qx qy qz qw";
+constexpr const char* kKittiLine = "the twelve numbers of a KITTI pose, a 3x4 matrix";
+constexpr const char* kLogHead = "the three integers at the start of a pose in an Open3D .log file";
 constexpr const char* kLogRow = "the four numbers of a matrix row";
 
 bool all_have_frames(const std::vector<CameraPose>& poses) {
@@ -151,7 +150,7 @@ PosesOfFile read_open3d_json(const std::filesystem::path& path) {
       const Eigen::Matrix4d rows = Eigen::Map<const Eigen::Matrix4d>(columns.data()).transpose();
       const auto pose = pose_of_matrix(std::span(rows.data(), columns.size()));
       if (!pose)
-        entry.at("extrinsic").fail_kind("a rigid transform of 16 numbers, column by column");
+        entry.at("extrinsic").fail_kind("the 16 numbers of a rigid transform, column by column");
       file.add({.timestamp_s = kNoTime, .T_world_camera = pose->inverse()},
                static_cast<int>(file.poses.size()));
     });
@@ -304,9 +303,9 @@ PosesOfFrames poses_by_number(const Trajectory& trajectory, std::span<const int>
     if (const auto at = of_frame.find(frames[i]); at != of_frame.end())
       found[i] = poses[at->second];
   if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
-    throw Error(fmt::format("{}: poses of frames {} to {}; expected some of frames {} to {}",
-                            trajectory.source, poses.front().frame, poses.back().frame,
-                            frames.front(), frames.back()));
+    throw Error(fmt::format(
+        "{}: poses for frames {} to {}; expected poses for some of frames {} to {}",
+        trajectory.source, poses.front().frame, poses.back().frame, frames.front(), frames.back()));
   return found;
 }
 
@@ -352,18 +351,19 @@ PosesOfFrames poses_by_time(const Trajectory& trajectory,
     if (at > 0 && (at == std::ssize(times) || t - times[at - 1] < times[at] - t)) --at;
     if (!(std::abs(times[at] - t) <= reach)) continue;
     if (frame_of[at] >= 0)
-      throw Error(fmt::format(
-          "{}: frames {} and {} are both nearest to the pose at {} s; expected a pose for each "
-          "frame, with times in seconds on the frames' clock",
-          trajectory.source, frame_of[at], frames[i], times[at]));
+      throw Error(
+          fmt::format("{}: the pose at {} s is the nearest one to both frame {} and frame {}; "
+                      "expected a pose for each frame, with times in seconds on the frames' clock",
+                      trajectory.source, times[at], frame_of[at], frames[i]));
     frame_of[at] = frames[i];
     found[i] = sorted[at];
   }
   if (std::ranges::none_of(found, [](const auto& pose) { return pose.has_value(); }))
-    throw Error(fmt::format(
-        "{}: no pose is near a frame: poses from {} s to {} s, frames from {} s to {} s; expected "
-        "times in seconds on the frames' clock",
-        trajectory.source, times.front(), times.back(), first_s, last_s));
+    throw Error(
+        fmt::format("{}: no pose is close in time to a frame: poses are from {} s to {} s, frames "
+                    "from {} s to {} s; "
+                    "expected times in seconds on the frames' clock",
+                    trajectory.source, times.front(), times.back(), first_s, last_s));
   return found;
 }
 
@@ -384,7 +384,7 @@ PairedPoses pair_poses(const Trajectory& trajectory,
   const auto last = std::ranges::max_element(poses, {}, &CameraPose::frame)->frame;
   if (are_numbered && !(poses_have_times && have_times) && last >= recording.frame_count())
     throw Error(fmt::format(
-        "{}: contains a pose of frame {}, but {} has {} and no times to identify missing ones",
+        "{}: contains a pose for frame {}, but {} has {} and no times to identify missing ones",
         trajectory.source, last, recording.info().path.string(), counted(recorded, "frame")));
   if (are_numbered && !moved) {
     paired.poses = poses_by_number(trajectory, frames);
@@ -398,14 +398,14 @@ PairedPoses pair_poses(const Trajectory& trajectory,
     const bool of_all = poses.size() == recorded;
     if (!of_all && (poses_have_times || poses.size() != frames.size()))
       throw Error(fmt::format(
-          "{}: {}{}; expected {}, one for each frame of {}{}", trajectory.source,
+          "{}: {}{}; expected {}, one for each frame in {}{}", trajectory.source,
           counted(poses.size(), "pose"), poses_have_times ? "" : " without times", recorded,
           recording.info().path.string(), have_times ? "" : ", whose frames have no times"));
     for (std::size_t i = 0; i < frames.size(); ++i)
       paired.poses.emplace_back(poses[of_all ? static_cast<std::size_t>(frames[i]) : i]);
     if (poses_have_times)
       paired.notice =
-          fmt::format("frames have no times: pose i of {} is used for frame i", trajectory.source);
+          fmt::format("frames have no times: pose i in {} is used for frame i", trajectory.source);
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     if (!paired.poses[i]) continue;

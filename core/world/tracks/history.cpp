@@ -129,7 +129,7 @@ std::string moment_text(const Tracker& tracker, const Track& track, int frame) {
                          track.born);
     case Moment::Kind::ended:
       return fmt::format("T{} is not in frame {}: {} in frame {}", track.id, frame,
-                         track.state == TrackState::left ? "left the window" : "gone, noticed",
+                         track.state == TrackState::left ? "left the window" : "was found gone",
                          track.ended);
     case Moment::Kind::absent:
       return fmt::format("T{} is not in frame {}: {}", track.id, frame,

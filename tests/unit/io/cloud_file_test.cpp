@@ -151,7 +151,7 @@ TEST(Ply, DamagedHeadersAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {"", "header"},
       {"plyx\n", "\"ply\""},
-      {"ply\nformat ascii 1.0\n", "unterminated"},
+      {"ply\nformat ascii 1.0\n", "not terminated"},
       {"ply\nformat morse 1.0\nend_header\n", "morse"},
       {"ply\nformat ascii 1.0\nelement vertex -3\nend_header\n", "-3"},
       {"ply\nformat ascii 1.0\nelement face 1\nproperty int a\nend_header\n1\n", "vertex"},

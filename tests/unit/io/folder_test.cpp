@@ -120,8 +120,8 @@ TEST(Folder, ColorThatCannotBeAlignedWithDepthIsNamed) {
   const auto warnings = [&](const RecordingOptions& options) {
     return open_recording(folder, options)->info().warnings;
   };
-  EXPECT_EQ(warnings(kKnown), std::vector<std::string>{"color cannot be aligned with depth: color "
-                                                       "of 16x9 without extrinsics to depth"});
+  EXPECT_EQ(warnings(kKnown), std::vector<std::string>{"color cannot be aligned with depth: 16x9 "
+                                                       "color without depth-to-color extrinsics"});
   RecordingOptions without_color = kKnown;
   without_color.color = false;
   EXPECT_TRUE(warnings(without_color).empty());
@@ -463,10 +463,10 @@ TEST(Folder, ADamagedSidecarIsReportedWithItsKey) {
 TEST(Folder, PicturesOfDepthAreDamagedFrames) {
   const fs::path eight = sample_folder();
   write_png(eight / "depth" / "2.png", Image8(kW, kH));
-  expect_damaged(eight, {"2.png", "1 channel of 8 bits", "16 bits"});
+  expect_damaged(eight, {"2.png", "8-bit PNG with 1 channel", "16-bit"});
   const fs::path three = sample_folder();
   write_color(three / "depth" / "10.png", 1);
-  expect_damaged(three, {"10.png", "3 channels of 8 bits"});
+  expect_damaged(three, {"10.png", "8-bit PNG with 3 channels"});
 }
 
 TEST(Folder, InconsistentSizesAreRejected) {

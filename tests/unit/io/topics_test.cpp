@@ -338,12 +338,12 @@ TEST(CloudTopic, UnsupportedFieldsAndTruncatedCloudsAreRejected) {
   write_mcap(path, clouds({.has_z = false}));
   expect_refused(path, {"cloud 0 on /camera/depth/color/points", "expected x, y, and z"});
   write_mcap(path, clouds({.offset_of_z = 17}));
-  expect_refused(path, {"field \"z\" at byte 17 extends beyond the 20 bytes of a point"});
+  expect_refused(path, {"field \"z\" at byte 17 extends beyond the 20-byte point"});
   RecordingOptions options;
   options.instance_field = "plane";
   write_mcap(path, clouds({}));
   expect_one_line_with(message_of([&] { open_recording(path, options)->frame(0); }),
-                       {"points have no field 'plane'"});
+                       {"points have no 'plane' field"});
   const ByteVector whole = cloud_message({});
   for (std::size_t cut = 0; cut + 1 < whole.size(); cut += 3) {
     Ros2Messages messages = clouds({}, 1);

@@ -294,14 +294,14 @@ TEST(CloudFiles, LabelsOfAnotherCloudAreRejectedWithBothNumbersOfPoints) {
   TrueCloud other = stair_cloud();
   other.frame.cloud->points.pop_back();
   const std::size_t had = cloud.grid.pixels();
-  const std::string expected = "000000.json: created for a cloud of " + std::to_string(had) +
+  const std::string expected = "000000.json: created for a cloud with " + std::to_string(had) +
                                " points, but this recording's frame has " + std::to_string(had - 1);
   expect_refused([&] { frame_truth(other.frame, dir, kHash); }, expected);
   const LabelGrid grid = make_label_grid(other.frame, test::down());
   LabelStore store(dir, {"ann", {}});
   expect_refused([&] { store.open(0, empty_labels(grid, kHash)); }, expected);
   expect_refused([&] { read_frame_labels(dir, 0, std::string(64, 'b')); },
-                 "a cloud of " + std::to_string(had) + " points with SHA-256");
+                 "a cloud with " + std::to_string(had) + " points with SHA-256");
   const Frame depth = test::frame_of(40, 30, [](int, int) { return 1.0; });
   expect_refused([&] { frame_truth(depth, dir, kHash); },
                  "are for a cloud, but the frame is a depth");

@@ -182,7 +182,7 @@ TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
   };
   expect_refused(onto(points, larger),
                  "x.ply: labels for 31x22 pixels, but the frame's depth image is 40x30");
-  expect_refused(onto(points, other), "labels of a different frame");
+  expect_refused(onto(points, other), "these labels are for a different frame");
   LabeledPoints bare = points;
   bare.pixel.clear();
   bare.points.clear();
@@ -194,7 +194,7 @@ TEST_F(Exchange, LabelsOfAnotherFrameAreRejected) {
   LabeledPoints outside = points;
   outside.width = 0;
   outside.pixel[5] = {31, 2};
-  expect_refused(onto(outside, grid), "pixel (31, 2) is outside the frame's depth image of 31x22");
+  expect_refused(onto(outside, grid), "pixel (31, 2) is outside the frame's 31x22 depth image");
 }
 
 TEST_F(Exchange, RotatedPointsKeepTheirLabels) {
@@ -219,7 +219,7 @@ TEST_F(Exchange, AFormatReportsMissingData) {
   expect_refused([&] { write_labeled(dir / "a", LabelFormat::ply, points); },
                  "ply requires coordinates");
   expect_refused([&] { write_labeled(dir / "a", LabelFormat::coco, points); },
-                 "coco requires pixels and the size");
+                 "coco requires pixels and the depth image's size");
   expect_refused([&] { parse_label_format("kiti"); }, "expected one of evops, ply, pcd, kitti");
   expect_refused([&] { label_format_of("a.txt"); },
                  "a.txt: unknown extension; expected a name that ends in .npy");
@@ -322,7 +322,7 @@ TEST_F(ExchangeDamage, CloudsWithoutPlaneIdsAreRejected) {
            "property float z\nproperty " +
            type + "\nend_header\n1 2 3 " + value + "\n";
   };
-  expect_bad("c.ply", ply("float intensity", "1"), "no field \"instance\"");
+  expect_bad("c.ply", ply("float intensity", "1"), "no \"instance\" field");
   expect_bad("c.ply", ply("float instance", "0.5"), "plane id: 0.5 at index 0");
   expect_bad("c.ply", ply("int instance", "70000"), "70000 at index 0");
   expect_bad("c.ply", "ply\n", "c.ply");
@@ -399,7 +399,7 @@ TEST(CocoMask, CompressedCountsFollowTheirPublishedDefinition) {
 
 TEST_F(ExchangeDamage, AnInvalidOrIncompleteArchiveIsRejected) {
   expect_bad("a.npz", "PK no zip", "not a readable NPZ");
-  expect_bad("a.npz", "", "no array \"instance\"");
+  expect_bad("a.npz", "", "no \"instance\" array");
 }
 
 TEST_F(ExchangeDamage, DamagedFilesGiveAnErrorOfOneLineOrConsistentLabels) {

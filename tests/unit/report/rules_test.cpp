@@ -457,7 +457,7 @@ TEST(Rules, AMistakeInTheFileIsReported) {
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 0, "level": "fatal"})"),
                   "rules[0].level is \"fatal\"; expected one of off, warn, error"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_least": 5, "at_most": 4})"),
-                  "at_least (5) <= at_most (4)"));
+                  "has at_least 5 and at_most 4; expected at_least <= at_most"));
   EXPECT_TRUE(has(refusal_of(R"({"metric": "planes", "at_most": 4}], "rules": [)"),
                   "\"rules\" appears twice in one object"));
 }

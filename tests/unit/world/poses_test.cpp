@@ -239,7 +239,8 @@ TEST(PairPoses, FramesGetThePoseOfTheirTimeInAnyOrder) {
   EXPECT_FALSE(found.poses[2]) << "no pose is near";
   EXPECT_EQ(found.notice, "");
   EXPECT_NE(why_unpaired(at_times({60, 61}), recording, {0, 1, 2})
-                .find("no pose is near a frame: poses from 60 s to 61 s, frames from 0.004 s"),
+                .find("no pose is close in time to a frame: poses are from 60 s to 61 s, frames "
+                      "from 0.004 s"),
             std::string::npos);
 }
 
@@ -255,7 +256,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
             "frame 1 has a different time in poses.tum; poses are paired by time, not by number");
   // Without times, missing frames cannot be identified.
   const std::string why = why_unpaired(numbered, TimesAlone({0, 0, 0}), {0, 1, 2});
-  EXPECT_NE(why.find("contains a pose of frame 3, but recording has 3 frames and no times"),
+  EXPECT_NE(why.find("contains a pose for frame 3, but recording has 3 frames and no times"),
             std::string::npos)
       << why;
   numbered.poses.pop_back();
@@ -266,7 +267,7 @@ TEST(PairPoses, NumbersDecideUnlessTimesShowThatFramesWereAddedOrRemoved) {
 TEST(PairPoses, APoseNearestToTwoFramesIsRejected) {
   const TimesAlone recording({0, 0.1, 0.2, 0.3});
   const std::string why = why_unpaired(at_times({0, 1000, 2000, 3000}), recording, {0, 1, 2, 3});
-  EXPECT_NE(why.find("poses.tum: frames 0 and 1 are both nearest to the pose at 0 s"),
+  EXPECT_NE(why.find("poses.tum: the pose at 0 s is the nearest one to both frame 0 and frame 1"),
             std::string::npos)
       << why;
   EXPECT_NE(why.find("in seconds"), std::string::npos) << why;
@@ -279,9 +280,9 @@ TEST(PairPoses, FramesWithoutTimesArePairedInOrderForAnySelection) {
   EXPECT_EQ(paired(three, recording, {2}), (std::vector{2}));
   const PairedPoses found = pair_poses(three, recording, std::vector{1});
   EXPECT_EQ(found.poses[0]->timestamp_s, 1305.2);
-  EXPECT_EQ(found.notice, "frames have no times: pose i of poses.tum is used for frame i");
+  EXPECT_EQ(found.notice, "frames have no times: pose i in poses.tum is used for frame i");
   EXPECT_EQ(why_unpaired(at_times({5, 6}), recording, {0, 1}),
-            "poses.tum: 2 poses; expected 3, one for each frame of recording, whose frames have no "
+            "poses.tum: 2 poses; expected 3, one for each frame in recording, whose frames have no "
             "times");
 }
 
@@ -293,7 +294,7 @@ TEST(PairPoses, PosesWithoutTimesBelongToTheRecordingOrTheSelectedFrames) {
   EXPECT_EQ(pair_poses(at_times({none, none}), recording, std::vector{1, 2}).poses[0]->timestamp_s,
             1);
   EXPECT_EQ(why_unpaired(at_times({none}), recording, {1, 2}),
-            "poses.tum: 1 pose without times; expected 3, one for each frame of recording");
+            "poses.tum: 1 pose without times; expected 3, one for each frame in recording");
 }
 
 TEST(SharedGravity, IgnoresOutliersAndReportsTheSpread) {

@@ -267,7 +267,7 @@ TEST(DamagedWeights, WithAWrongHeaderLengthAreRejected) {
     Bytes bytes = file_of(parts.header.dump(), parts.data);
     std::memcpy(bytes.data(), &length, 8);
     write_anew(path, bytes);
-    EXPECT_TRUE(has(error_of(path), "header of " + std::to_string(length))) << error_of(path);
+    EXPECT_TRUE(has(error_of(path), std::to_string(length) + "-byte header")) << error_of(path);
   }
 }
 
