@@ -216,6 +216,7 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   std::optional<labels::CocoFile> coco;
   if (coco_path) coco = labels::read_coco(*coco_path);
   auto files = files_to_import(args, input, format, coco, coco_path);
+  const bool is_new = !fs::exists(input.label_dir);
   labels::LabelStore store(input.label_dir);
   if (!store.read_only().empty()) throw Error(input.label_dir.string() + ": " + store.read_only());
   for (const std::string& what : store.notices()) notice("warning: {}", what);
@@ -225,7 +226,15 @@ int run_labels_import(const LabelsArgs& args, const std::stop_token& stop) {
   for (const FileOfFrame& file : files) frames.push_back(file.frame);
   const DamagedFrames damaged = for_each_frame("import", frames, stop, [&](int frame) {
     const auto file = std::ranges::find(files, frame, &FileOfFrame::frame);
-    imports.push_back(read_import(*file, format, coco, input, args.input.pipeline, store));
+    try {
+      imports.push_back(read_import(*file, format, coco, input, args.input.pipeline, store));
+    } catch (const Error&) {
+      // The files of labels that another process is writing are incomplete.
+      if (is_new && fs::exists(input.label_dir))
+        throw Error(input.label_dir.string() +
+                    ": was held by another process, which created it; import again");
+      throw;
+    }
   });
   damaged.remove_from(files);
   for (std::size_t i = 0; i < files.size(); ++i) {

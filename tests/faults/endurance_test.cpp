@@ -92,7 +92,7 @@ TEST_F(SideBySide, TwoImportsOfLabelsAreOneImport) {
   const Snapshot wanted = snapshot(work);
   for (int i = 0; i < 4; ++i) {
     fs::remove_all(work / "mine");
-    run_both(words, words, "held by");
+    run_both(words, words, "held by");  // is or was
     EXPECT_EQ(differences(snapshot(work), wanted), "");
   }
 }
