@@ -232,7 +232,8 @@ std::string message_of(const Program& program, const CLI::App& app, const CLI::P
   if (!near.empty()) return text + "; did you mean '" + near + "'?";
   constexpr std::size_t kFewNames = 8;
   if (!is_option && !names.empty() && names.size() <= kFewNames)
-    return fmt::format("{}; expected {}", text, fmt::join(names, " or "));
+    return names.size() > 2 ? fmt::format("{}; expected one of {}", text, fmt::join(names, ", "))
+                            : fmt::format("{}; expected {}", text, fmt::join(names, " or "));
   return text + "; see " + app.get_name() + (path.empty() ? "" : " ") + path + " --help";
 }
 

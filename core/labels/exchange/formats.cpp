@@ -187,7 +187,7 @@ LabeledPoints parse_kitti(io::Bytes bin, io::Bytes label, const std::string& whe
 
 FileBytes voxel_bytes(const LabeledPoints& points, double voxel_size_m) {
   if (!(voxel_size_m > 0) || !std::isfinite(voxel_size_m))
-    throw Error("voxel size is " + std::to_string(voxel_size_m) + " m; expected more than 0 m");
+    throw Error(fmt::format("voxel size is {:g} m; expected more than 0 m", voxel_size_m));
   planes::Cloud cloud;
   cloud.T_world_sensor = points.T_world_sensor;
   const Eigen::Isometry3f T_world_sensor = points.T_world_sensor.cast<float>();
