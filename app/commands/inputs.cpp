@@ -227,10 +227,9 @@ void warn_of_unused_options(const InputArgs& args) {
         (!info.matters(options) || planes::is_idle(info, options)))
       unused.push_back(info.name);
   if (!unused.empty())
-    warn(args,
-         fmt::format("no effect with method {} and profile {}: {}; see planescope options {}",
-                     planes::to_string(options.method), planes::to_string(options.segment.profile),
-                     fmt::join(unused, ", "), unused[0]));
+    warn(args, fmt::format("{}: no effect with method {} and profile {}; see planescope options {}",
+                           fmt::join(unused, ", "), planes::to_string(options.method),
+                           planes::to_string(options.segment.profile), unused[0]));
 }
 
 }  // namespace

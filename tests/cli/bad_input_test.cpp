@@ -219,7 +219,7 @@ TEST(Doubts, AnOptionThatTheRunDoesNotUseIsWarnedOf) {
   };
   EXPECT_FALSE(has(well(with({})).err, "no effect"));
   EXPECT_TRUE(has(well(with({"--profile", "paper", "--set", "worth_px=10"})).err,
-                  "warning: no effect with method ours and profile paper: worth_px; see"));
+                  "warning: worth_px: no effect with method ours and profile paper; see"));
   EXPECT_TRUE(has(well(with({"--method", "region-growing"})).err, "region-growing and profile"));
 }
 

@@ -142,7 +142,7 @@ TEST_F(ViewReport, MissingItemsAreReportedInOneLine) {
   write_depth_folder(dir / "rec", floor_and_wall(), 2);
   const std::string file = report("out", {dir / "rec", "--gravity", "0,1,0"});
   refuses(file + "#f0/q1",
-          "out/report.json: 'f0/q1' is not a place in a report; expected f<frame>");
+          "out/report.json: 'f0/q1' is not a location in a report; expected f<frame>");
   refuses(file + "#r2/f0", "report.json: has no r2; it has 1 recording");
   refuses(file + "#f7", "report.json: has no f7; its frames from rec are 0, 1");
   refuses(file + "#f0/p3", "report.json: has no p3: frame 0 has 2 planes");

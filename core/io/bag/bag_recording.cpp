@@ -392,9 +392,9 @@ BagRecording::DepthMessage BagRecording::read_depth(int i) const {
     const ros::HeldImage unpacked = image_of(bytes, layout_.depth);
     const ros::Image& image = unpacked.image;
     if (image.width != info_.width || image.height != info_.height)
-      throw Error(fmt::format("{}: depth frame {} is {}x{}; expected {}x{}, like the first frame",
-                              bag_.path().string(), i, image.width, image.height, info_.width,
-                              info_.height));
+      throw Error(fmt::format(
+          "{}: depth frame {} is {}x{}; expected {}x{}, the size of the first frame",
+          bag_.path().string(), i, image.width, image.height, info_.width, info_.height));
     check_depth_encoding(image, bag_.path(), layout_.depth);
     if ((image.encoding == kMeters) != info_.rounded)
       throw Error(fmt::format("{}: depth frame {} is encoded as \"{}\", but the first frame is not",

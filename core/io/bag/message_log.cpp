@@ -188,7 +188,7 @@ HeldBytes ChunkedLog::unpacked(std::uint32_t number) const {
   // Unpacked outside the lock, so that threads unpack different chunks at the same time.
   Unpacked unpacked = unpack(chunk.compression, chunk.stored, chunk.raw_bytes);
   if (!unpacked.whole && !chunk.cut)
-    throw Error(fmt::format("{} is damaged: only {} of {} bytes could be decompressed", name,
+    throw Error(fmt::format("{} is damaged: {} of {} bytes could be decompressed", name,
                             unpacked.bytes.size(), chunk.raw_bytes));
   check(number, unpacked.bytes);
   const auto bytes = std::make_shared<const std::vector<std::byte>>(std::move(unpacked.bytes));

@@ -201,8 +201,9 @@ void FolderRecording::check_depth(const fs::path& path, const Intrinsics& known)
     info_.height = image.height;
   }
   if (image.width != info_.width || image.height != info_.height)
-    throw Error(fmt::format("{}: the depth image is {}x{}; expected {}x{}, like the first one",
-                            path.string(), image.width, image.height, info_.width, info_.height));
+    throw Error(
+        fmt::format("{}: the depth image is {}x{}; expected {}x{}, the size of the first one",
+                    path.string(), image.width, image.height, info_.width, info_.height));
 }
 
 /// Looks at the ends of every file, so that damaged frames are known before work starts.

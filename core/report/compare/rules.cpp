@@ -157,7 +157,8 @@ Rule rule_of(const JsonPlace& place) {
     if (place.has("at_least") || place.has("at_most"))
       place.at("at_most_percent").fail_kind("only one limit");
     if (!find_metric(rule.metric).total)
-      place.at("at_most_percent").fail_kind("at_most, because " + rule.metric + " is not a count");
+      place.at("at_most_percent")
+          .fail_kind("at_most, because percentages do not apply to the metric " + rule.metric);
   }
   if (rule.at_least > rule.at_most)
     place.fail(fmt::format("has at_least {} and at_most {}; expected at_least <= at_most",

@@ -370,8 +370,8 @@ ReportTarget parse_report_target(const std::string& text) {
   if (matches && parts[4].matched) target.plane = std::stoi(parts[4]);
   if (!matches || target.recording < 1 || (parts[4].matched && target.plane < 1))
     throw Error(fmt::format(
-        "{}: '{}' is not a place in a report; expected f<frame>, f<frame>/p<plane>, or "
-        "f<frame>/was<plane of the baseline>, preceded by r<n>/ if it has several recordings",
+        "{}: '{}' is not a location in a report; expected f<frame>, f<frame>/p<plane>, or "
+        "f<frame>/was<baseline plane>, preceded by r<n>/ if the report has several recordings",
         target.file.string(), place));
   target.frame = std::stoi(parts[2]);
   target.of_baseline = parts[3] == "was";
