@@ -65,7 +65,7 @@ TEST(ReportGuard, ApprovingOneRecordingKeepsTheOthers) {
   EXPECT_FALSE(has(whole.out, "not in the baseline"));
 
   expect_refused(report({dir / "b"}, {"--approve", "--voxel", "0.04"}), "option voxel_size_m");
-  expect_refused(report({dir / "b"}, {"--approve", "--frames", "0"}), "has 2 frames of b");
+  expect_refused(report({dir / "b"}, {"--approve", "--frames", "0"}), "has 2 frames from b");
   well(report({dir / "b"}, {"--approve-only"}));
   EXPECT_EQ(Json::parse(read_text(baseline))["recordings"].size(), 1u);
 }
