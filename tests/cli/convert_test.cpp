@@ -134,7 +134,7 @@ TEST_F(Convert, CloudsKeepTheirPointsTruthAndPosition) {
 
 TEST_F(Convert, DepthConvertsToACloudOfMeasuredPixels) {
   const fs::path out = dir / "one.ply";
-  expect_refused(convert({sample, "-o", out}), "one file for 3 frames");
+  expect_refused(convert({sample, "-o", out}), "cannot contain all 3 frames");
   const Ran ran = well(convert({sample, "-o", out, "--frames", "1"}));
   EXPECT_TRUE(has(ran.err, "z in the point clouds is the camera's viewing direction"));
   const Frame depth = io::open_recording(sample)->frame(1);

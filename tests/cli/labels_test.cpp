@@ -231,7 +231,8 @@ TEST_F(Labels, InvalidFilesChangeNothing) {
     return labels_of("import", args);
   };
   const std::string in = (dir / "in").string();
-  expect_refused(import({in, "--format", "evops"}), "000001.npy: 100 points; expected 19200");
+  expect_refused(import({in, "--format", "evops"}),
+                 "000001.npy: labels for 100 points; expected 19200");
   expect_refused(import({in}), "--format");
   expect_refused(import({in, "--format", "evop"}), "expected one of evops");
   expect_refused(import({in, "--format", "npz"}), "expected names such as 000000.npz");

@@ -287,7 +287,7 @@ TEST_F(Map, ReportsUnusablePoses) {
   EXPECT_TRUE(has(reported(inverse, 2, {}), "not written: "));
   EXPECT_EQ(read_text(dir / "out" / "map.json"), good);
   // Poses of the whole recording also work for a subset of frames.
-  EXPECT_TRUE(has(reported(kitti, 2, {"--frames", "3:8"}), "of the 5 frames"));
+  EXPECT_TRUE(has(reported(kitti, 2, {"--frames", "3:8"}), "the input has 5 frames"));
 }
 
 TEST_F(Map, UsesPoseIForFrameIWithoutTimes) {

@@ -139,7 +139,7 @@ class Maps(unittest.TestCase):
     def test_refuse_invalid_input(self):
         for wrong, why in (
             (dict(frames=[3, 1]), "are not in ascending order"),
-            (dict(frames=[40]), "it has 40 frames"),
+            (dict(frames=[40]), "the recording has 40 frames"),
             (dict(poses=self.walk / "none.tum"), "none.tum"),
             (dict(window_m=-1), "window_m"),
             (dict(frames=[]), "at least one"),

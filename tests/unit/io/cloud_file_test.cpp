@@ -258,7 +258,7 @@ TEST(Pcd, AHeaderThatPromisesMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
           "huge.pcd",
           pcd_header("x y z", "4 4 4", "F F F", "1 1 1", 300'000'000, "binary_compressed") +
               raw(std::uint32_t{16}) + raw(std::uint32_t{3'600'000'000}) + std::string(16, '\0')),
-      {"huge.pcd", "declares 300000000 points", "is too small"});
+      {"huge.pcd", "declares 300000000 12-byte points", "is too small"});
 }
 
 TEST(Pcd, DamagedHeadersAreNamed) {

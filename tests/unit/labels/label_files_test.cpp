@@ -153,7 +153,7 @@ TEST_F(LabelFiles, AnUnknownSchemaAndAnotherFramesFileAreRejected) {
   for (const char* suffix : {".plane.png", ".hv.png", ".json"}) {
     fs::copy_file(dir / ("000000" + std::string(suffix)), dir / ("000005" + std::string(suffix)));
   }
-  expect_refused([&] { read_frame_labels(dir, 5, ""); }, "expected frame 5");
+  expect_refused([&] { read_frame_labels(dir, 5, ""); }, "expected labels for frame 5");
   std::ofstream(dir / "000000.json") << R"({"schema": "planescope.labels/2"})";
   expect_refused([&] { read_frame_labels(dir, 0, ""); }, "planescope.labels/2");
 }

@@ -311,7 +311,7 @@ TEST(DamagedWeights, WithWrongShapesAreRejected) {
   // 2^64 + 24 bytes, and a tensor with a huge dimension but no elements.
   EXPECT_TRUE(has(shape({std::uint64_t{1} << 61, 2, 6}), "do not match shape"));
   EXPECT_TRUE(has(shape({0, std::uint64_t{0} - 1}), "do not match shape"));
-  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3; expected a whole number"));
+  EXPECT_TRUE(has(shape({-3, -2}), "shape[0] is -3; expected a nonnegative whole number"));
   EXPECT_TRUE(has(shape("3x2"), "shape is \"3x2\"; expected a list"));
 }
 
