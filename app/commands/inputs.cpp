@@ -253,7 +253,7 @@ std::vector<OpenInput> open_inputs(const InputArgs& args, const fs::path& out) {
     throw Error(
         fmt::format("--labels specifies one folder, but there are {} recordings", paths.size()));
   if (args.label_dir && !fs::is_directory(*args.label_dir))
-    throw Error(args.label_dir->string() + ": is not a label folder");
+    throw Error(args.label_dir->string() + ": not a label folder");
   std::vector<OpenInput> inputs;
   for (const fs::path& path : paths) {
     check_outside(out, path);

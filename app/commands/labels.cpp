@@ -29,7 +29,7 @@ bool is_label_folder(const fs::path& path) {
 LabelFolder list_labels(const fs::path& dir) {
   if (!fs::exists(dir))
     throw Error(dir.string() + ": no such folder; for labels elsewhere, use --labels DIR");
-  if (!fs::is_directory(dir)) throw Error(dir.string() + ": is not a label folder");
+  if (!fs::is_directory(dir)) throw Error(dir.string() + ": not a label folder");
   std::vector<int> frames = labels::label_numbers(dir);
   if (frames.empty() && fs::exists(dir / "journal"))
     throw Error(
