@@ -56,6 +56,13 @@ CLI::Validator number(double least, double most) {
   return {[=](std::string& text) { return refusal(text, "number", least, most); }, ""};
 }
 
+std::string clause_of(const std::string& help) {
+  std::string clause = help.substr(0, help.find_first_of(";\n"));
+  const std::string small = lower_case(clause);
+  if (clause.size() > 1 && clause[1] == small[1]) clause[0] = small[0];
+  return clause;
+}
+
 CLI::Validator some_of(const std::vector<std::string>& known, const std::string& what) {
   return {[=](std::string& text) -> std::string {
             if (std::ranges::find(known, text) != known.end()) return {};

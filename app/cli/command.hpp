@@ -91,6 +91,10 @@ CLI::Option* add_threads(CLI::App* command, int& threads);
 
 void add_json(CLI::App* command, bool& json);
 CLI::Option* add_out(CLI::App* command, std::filesystem::path& out);
+/// The first clause of a help text, for use within a sentence: "Output folder; ..." gives "output
+/// folder". Acronyms stay in capitals.
+std::string clause_of(const std::string& help);
+
 /// -o for commands that write a folder or a PlanesFile.
 CLI::Option* add_planes_out(CLI::App* command, std::filesystem::path& out);
 inline constexpr const char* kPlanesOut = "DIR|FILE.mcap";

@@ -180,12 +180,9 @@ std::string path_of(const CLI::App& app, const CLI::App& command) {
 std::string missing(const std::string& command, const CLI::Option& option) {
   const std::string name =
       option.get_snames().empty() ? option.get_name() : "-" + option.get_snames()[0];
-  std::string help = option.get_description();
-  help.resize(std::min(help.size(), help.find_first_of(";\n")));
-  // Not for acronyms.
-  if (help.size() > 1 && help[1] == lower_case(help)[1]) help[0] = lower_case(help)[0];
   const std::string type = option.get_type_name();
-  return fmt::format("{} needs {}{}{}: {}", command, name, type.empty() ? "" : " ", type, help);
+  return fmt::format("{} needs {}{}{}: {}", command, name, type.empty() ? "" : " ", type,
+                     clause_of(option.get_description()));
 }
 
 /// Whether CLI11's message is about this option: it begins with the option's name.

@@ -294,8 +294,7 @@ void define_segment(CLI::App& app, Line& line) {
       throw Error("--also writes into the folder of -o DIR, but -o is a .mcap file");
     if (args->ros_json && args->json) throw Error("--ros-json cannot be combined with --json");
     if (!args->ros_json && args->out.empty() && !is_live(*args))
-      throw Error(fmt::format("segment needs -o {}: {}{}", kPlanesOut,
-                              lower_case({kPlanesOutHelp, 1}), kPlanesOutHelp + 1));
+      throw Error(fmt::format("segment needs -o {}: {}", kPlanesOut, clause_of(kPlanesOutHelp)));
     if (args->out.empty() && !args->also.empty())
       throw Error("--also needs -o DIR, the folder to write to");
   });

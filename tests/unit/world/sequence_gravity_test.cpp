@@ -89,7 +89,7 @@ class Balls : public io::Recording {
 };
 
 Gravity down_at(int frame) {
-  return {pose_at(frame).linear().transpose() * Vec3d::UnitY(), GravitySource::imu, 1, "told"};
+  return {pose_at(frame).linear().transpose() * Vec3d::UnitY(), GravitySource::imu, 1, "measured"};
 }
 
 Frame resolved(const SequenceGravity& gravity,
@@ -118,9 +118,9 @@ TEST(SequenceGravity, IsTransferredFromTheNearestKnownFrameByOdometry) {
   ASSERT_TRUE(second.gravity && last.gravity);
   EXPECT_EQ(second.gravity->source, GravitySource::carried);
   EXPECT_EQ(second.gravity->note,
-            "carried from frame 0, where it was told, by odometry over 2 frames");
+            "carried from frame 0, where it was measured, by odometry over 2 frames");
   EXPECT_EQ(last.gravity->note,
-            "carried from frame 6, where it was told, by odometry over 1 frame");
+            "carried from frame 6, where it was measured, by odometry over 1 frame");
   EXPECT_LT(off_deg(second), 0.5);
   EXPECT_LT(off_deg(last), 0.5);
   EXPECT_EQ(resolved(gravity, *recording, 6).gravity->source, GravitySource::imu);
@@ -148,7 +148,7 @@ TEST(SequenceGravity, UsesThePosesOfTheRecordingIfAvailable) {
   const Frame last = resolved(SequenceGravity(recording, {}), *recording, 7);
   EXPECT_LT(off_deg(last), 1e-6);
   EXPECT_EQ(last.gravity->note,
-            "carried from frame 0, where it was told, by the recording's poses over 7 frames");
+            "carried from frame 0, where it was measured, by the recording's poses over 7 frames");
 }
 
 TEST(SequenceGravity, EndsWhereMotionIsUnknown) {
