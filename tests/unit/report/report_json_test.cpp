@@ -286,7 +286,7 @@ TEST(ReportTarget, InvalidTargetsAreRejectedWithTheirText) {
         "r0/f1", "r/f1",  "r1/p3",   "f1/p3 ", "f99999999999", "F1",   "f1/r1"}) {
     const std::string text =
         message_of([&] { parse_report_target(std::string("a.json#") + place); });
-    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is not a place")) << text;
+    EXPECT_TRUE(text.starts_with(std::string("a.json: '") + place + "' is not a location")) << text;
     EXPECT_TRUE(has(text, "expected f<frame>"));
     EXPECT_FALSE(has(text, "\n"));
   }
