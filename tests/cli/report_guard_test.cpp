@@ -155,6 +155,28 @@ TEST(ReportGuard, WarnsAboutUnappliedRulesAndNewRecordings) {
   EXPECT_TRUE(has(read_text(dir / "more/index.html"), "new: not in the baseline"));
 }
 
+TEST(ReportGuard, FailsIfNoFrameIsInTheBaseline) {
+  const auto dir = scratch_with_rec();
+  std::filesystem::copy(dir / "rec", dir / "renamed", std::filesystem::copy_options::recursive);
+  const auto report = [&](const std::string& rec, std::vector<std::string> more) {
+    more.insert(more.end(), {"--baseline", dir / "baseline.json"});
+    return run(report_args({dir / rec}, dir / "out", more));
+  };
+  well(report("rec", {"--approve"}));
+  const Ran failed = report("renamed", {});
+  EXPECT_EQ(failed.code, 1);
+  EXPECT_TRUE(has(failed.out,
+                  "error  all frames: 0 frames are compared with the baseline; the rule "
+                  "frames_compared requires at least 1 frame\n"
+                  "warn   renamed: not in the baseline\n"
+                  "warn   rec: in the baseline, not in this report\n"
+                  "1 error, 2 warnings against "))
+      << failed.out;
+  EXPECT_TRUE(has(read_text(dir / "out/junit.xml"), "0 frames are compared with the baseline"));
+  EXPECT_TRUE(has(well(report("renamed", {"--approve"})).out, "0 errors, "));
+  well(report("renamed", {}));
+}
+
 TEST(ReportGuard, ANameOfInvalidTextMatchesTheBaseline) {
   const auto dir = scratch();
   const auto recording = dir / "rec\xff";

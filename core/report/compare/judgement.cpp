@@ -132,13 +132,13 @@ Json judgement_json(const Judgement& judgement) {
 
 ReportGuard::ReportGuard(std::filesystem::path baseline,
                          const std::filesystem::path& rules,
-                         bool may_be_first)
-    : baseline_file_(std::move(baseline)) {
+                         bool approves)
+    : baseline_file_(std::move(baseline)), approves_(approves) {
   const bool is_there = std::filesystem::exists(baseline_file_);
-  if (!baseline_file_.empty() && !is_there && !may_be_first)
+  if (!baseline_file_.empty() && !is_there && !approves)
     throw Error(baseline_file_.string() +
                 ": no such baseline; add --approve to make this report the first baseline");
-  is_first_ = may_be_first && !is_there;
+  is_first_ = approves && !is_there;
   if (!baseline_file_.empty() && !is_first_) baseline_ = read_report(baseline_file_);
   if (baseline_ && baseline_->partial)
     throw Error(baseline_file_.string() + ": from an interrupted run; expected a complete report");
@@ -158,6 +158,10 @@ std::shared_ptr<const Judgement> ReportGuard::judge(const Report& report) {
   judgement->comparison =
       compare_reports(judgement->baseline ? *judgement->baseline : none, report);
   judgement->breaches = broken_rules(rules_, judgement->comparison);
+  // A report of new recordings may be added to a baseline.
+  if (approves_)
+    std::erase_if(judgement->breaches,
+                  [](const Breach& breach) { return breach.rule.metric == "frames_compared"; });
   judgement->notes = noted_changes(rules_, judgement->comparison);
   const bool has_baseline = judgement->baseline.has_value();
   if (!is_first_) judgement->idle = idle_rules(rules_, judgement->comparison, has_baseline);

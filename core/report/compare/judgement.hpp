@@ -41,11 +41,11 @@ struct Judgement {
 /// Implements --baseline and --rules; reads both before any frame is run.
 class ReportGuard {
  public:
-  /// Paths may be empty: no baseline; with a baseline, the built-in rules. With `may_be_first`, the
-  /// baseline may not exist yet. Throws Error.
+  /// Paths may be empty: no baseline; with a baseline, the built-in rules. With `approves`, the
+  /// baseline may not exist yet, or contain none of the report's frames. Throws Error.
   ReportGuard(std::filesystem::path baseline,
               const std::filesystem::path& rules,
-              bool may_be_first = false);
+              bool approves = false);
   bool is_on() const { return baseline_ || !rules_.empty(); }
   /// Null if neither was requested. Call once: the baseline moves into the judgement. The judgement
   /// points to the frames of `report`, which must not move while it is used.
@@ -59,6 +59,7 @@ class ReportGuard {
 
  private:
   std::filesystem::path baseline_file_;
+  bool approves_ = false;
   bool is_first_ = false;  // the baseline does not exist yet
   std::optional<Report> baseline_;
   std::vector<Rule> rules_;

@@ -173,6 +173,12 @@ std::optional<bool> has_fate(const FrameComparison& frame) {
   return frame.baseline ? std::optional(frame.fate == kFate) : std::nullopt;
 }
 
+/// nullopt: only in the baseline.
+std::optional<bool> is_compared(const FrameComparison& frame) {
+  if (!frame.now) return std::nullopt;
+  return frame.fate != FrameFate::added && frame.fate != FrameFate::other_input;
+}
+
 /// Without labels, metrics that need them could never fail.
 std::optional<bool> lost_labels(const FrameComparison& frame) {
   const ReportFrame *before = frame.baseline, *now = frame.now;
@@ -349,6 +355,8 @@ const std::vector<RuleMetric>& rule_metrics() {
                     "planes whose area changed by a quarter or more"),
         farthest(&PlaneComparison::offset_m, 1000, "offset_mm", "mm", "moved"),
         farthest(&PlaneComparison::angle_deg, 1, "angle_deg", "degrees", "turned"),
+        frames_where(is_compared, "frames_compared", "{n} {are} compared with the baseline",
+                     "frames that are in the baseline with the same content"),
         frames_where(has_fate<FrameFate::refused>, "frames_refused",
                      "{n} of the baseline {are} rejected",
                      "frames that were processed in the baseline but are rejected now"),

@@ -228,6 +228,7 @@ std::vector<Rule> built_in_rules(std::string_view set) {
   using enum RuleLevel;
   if (set != "strict" && set != "default" && set != "lenient") return {};
   std::vector<Rule> rules = {
+      {.metric = "frames_compared", .scope = RuleScope::all, .at_least = 1},
       {.metric = "frames_missing", .at_most = 0},
       {.metric = "frames_refused", .at_most = 0},
       {.metric = "labels_missing", .at_most = 0},
@@ -329,9 +330,14 @@ std::string Breach::text() const {
 
 std::vector<Breach> broken_rules(const std::vector<Rule>& rules,
                                  const ReportComparison& comparison) {
+  // Each frame of a baseline is in the comparison, or left out of it.
+  const bool has_baseline =
+      !comparison.left_out.empty() ||
+      std::ranges::any_of(comparison.frames, [](const auto& frame) { return frame.baseline; });
   std::vector<Breach> breaches;
   for (const Rule& rule : rules)
-    if (rule.level != RuleLevel::off) add_breaches(rule, comparison, breaches);
+    if (rule.level != RuleLevel::off && (has_baseline || !find_metric(rule.metric).needs_baseline))
+      add_breaches(rule, comparison, breaches);
   // Frames that break the most rules first; for equal numbers, the one that breaks them most.
   std::map<std::pair<std::string, int>, std::pair<int, double>> weights;
   for (const Breach& breach : breaches) {

@@ -105,6 +105,31 @@ TEST(Rules, AMissingOrFailedFrameIsAnError) {
   EXPECT_EQ(found[1].rule.metric, "frames_refused");
 }
 
+TEST(Rules, AReportThatSharesNoFrameWithTheBaselineFails) {
+  const auto of = [](const std::string& recording, const std::string& pixels) {
+    Report report = report_of_frames({{recording, {frame_with(0, {0})}}});
+    report.recordings[0].frames[0].sha256 = pixels;
+    return report;
+  };
+  const Report before = of("a", "1");
+  for (const char* set : {"strict", "default", "lenient"}) {
+    const auto broken_by = [&](const Report& now) {
+      return broken_rules(built_in_rules(set), compare_reports(before, now));
+    };
+    EXPECT_TRUE(broken_by(of("a", "1")).empty()) << set;
+    for (const Report& now : {of("b", "1"), of("a", "2")}) {
+      const std::vector<Breach> found = broken_by(now);
+      ASSERT_FALSE(found.empty()) << set;
+      EXPECT_TRUE(std::ranges::any_of(found, [](const Breach& breach) {
+        return breach.rule.level == RuleLevel::error &&
+               breach.text() ==
+                   "0 frames are compared with the baseline; the rule "
+                   "frames_compared requires at least 1 frame";
+      })) << set;
+    }
+  }
+}
+
 TEST(Rules, AShareOfTheBaselinesPlanesMayBeLostOverARecording) {
   Report now = baseline();
   now.recordings[0].frames[1] = frame_with(1, {0});  // one of the four planes of "a" is lost
