@@ -167,14 +167,15 @@ TEST_P(RealRecordings, CanBeSteppedThroughAndSearched) {
   EXPECT_EQ(desk.state().document.options.segment.profile, planes::Profile::refined);
 }
 
-INSTANTIATE_TEST_SUITE_P(Recordings,
-                         RealRecordings,
-                         testing::Values(Real{"realsense_sdk_bag/single_depth_color_640x480.bag",
-                                              "0,1,0"},
-                                         Real{"felixchenfy_d4xx_640x480"},
-                                         Real{"rs_viewer_raw_export_848x480"},
-                                         Real{"cape_tunnel_structure_640x480"},
-                                         Real{"stairs_kinect2_512x424/0000_cloud.pcd", ""}));
+INSTANTIATE_TEST_SUITE_P(
+    Recordings,
+    RealRecordings,
+    testing::Values(Real{"realsense_sdk_bag/single_depth_color_640x480.bag", "0,1,0"},
+                    Real{"felixchenfy_d4xx_640x480"},
+                    Real{"rs_viewer_raw_export_848x480"},
+                    Real{"cape_tunnel_structure_640x480"},
+                    Real{"stairs_kinect2_512x424/0000_cloud.pcd", ""}),
+    [](const auto& test) { return std::filesystem::path(test.param.path).begin()->string(); });
 
 }  // namespace
 }  // namespace planescope::desktop

@@ -75,8 +75,8 @@ INSTANTIATE_TEST_SUITE_P(
                     RealFrames{"aims_slam_realsense_640x480", Vec3d(0.175, 0.922, 0.346),
                                std::array{383.8, 383.8, 321.7, 236.8}},
                     RealFrames{"cape_tunnel_structure_640x480", Vec3d(0.02, 0.929, 0.37)},
-                    RealFrames{"realsense_sdk_bag/single_depth_color_640x480.bag",
-                               Vec3d(0, 1, 0)}));
+                    RealFrames{"realsense_sdk_bag/single_depth_color_640x480.bag", Vec3d(0, 1, 0)}),
+    [](const auto& test) { return std::filesystem::path(test.param.recording).begin()->string(); });
 
 }  // namespace
 }  // namespace planescope::planes
